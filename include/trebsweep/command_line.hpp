@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "trebsweep/job.hpp"
+#include "trebsweep/progress.hpp"
+
+namespace trebsweep {
+
+enum class Command { help, version, sweep, trace };
+
+/// What the user asked for.
+struct CommandLine {
+  Command command = Command::help;
+  std::string help;  ///< text to print, for Command::help
+  std::string job_file;
+  Overrides overrides;
+  bool overwrite = false;
+  ProgressStyle progress = ProgressStyle::automatic;
+  Design<double> design{};         ///< for Command::trace
+  std::optional<double> interval;  ///< s, for Command::trace
+};
+
+/// Throws InputError.
+CommandLine parse_command_line(int argc, const char* const* argv);
+
+}  // namespace trebsweep

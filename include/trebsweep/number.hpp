@@ -1,0 +1,37 @@
+#pragma once
+
+#include <charconv>
+#include <limits>
+#include <string>
+#include <string_view>
+
+namespace trebsweep {
+
+/// Refuses a key's value. Throws InputError: "key = value: must be allowed".
+[[noreturn]] void refuse(const std::string& key, const std::string& value,
+                         const std::string& allowed);
+
+/// The finite numbers that a key takes.
+struct Range {
+  double low;
+  double high = std::numeric_limits<double>::infinity();
+  bool low_allowed = true;
+
+  bool contains(double x) const;
+  std::string text() const;  ///< "a finite number above 0"
+};
+
+inline constexpr Range positive{0, std::numeric_limits<double>::infinity(), false};
+inline constexpr Range not_negative{0};
+
+/// Whether the whole text is a number, which it then becomes.
+template <class Number>
+bool parses(std::string_view text, Number& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+/// The number that a key's value says. Throws InputError if it is none, or outside the range.
+double to_number(const std::string& key, const std::string& value, const Range& range);
+
+}  // namespace trebsweep

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace trebsweep {
+
+/// How a sweep tells of its progress on stderr.
+enum class ProgressStyle {
+  automatic,  ///< a bar where stderr is a terminal, else lines
+  bar,        ///< one line, redrawn
+  lines,      ///< a line every ten seconds
+  none
+};
+
+/// Progress on stderr, with the time that is left at the pace so far.
+class Progress {
+ public:
+  Progress(std::uint64_t total, ProgressStyle style);
+
+  /// Tells that `done` of the total are done; rate-limited, but the end of a bar is always drawn.
+  void update(std::uint64_t done);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  std::uint64_t total_;
+  ProgressStyle style_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point told_ = start_;
+};
+
+}  // namespace trebsweep

@@ -1,0 +1,181 @@
+#include "trebsweep/command_line.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <boost/program_options.hpp>
+#include <sstream>
+
+#include "trebsweep/error.hpp"
+#include "trebsweep/number.hpp"
+
+namespace trebsweep {
+namespace {
+
+namespace po = boost::program_options;
+
+constexpr std::array progress_names{"auto", "bar", "lines", "none"};
+
+const char* const general_help =
+    R"(trebsweep: explores the design space of a trebuchet.
+
+Usage:
+  trebsweep sweep JOB [options]      integrate every design of the job's lattice -> HDF5 archive
+                                     (in parallel: mpirun -n RANKS trebsweep sweep JOB)
+  trebsweep trace JOB --r1 M --r2 M --r3 M [options]
+                                     print one design's swing as a table
+  trebsweep COMMAND --help           the options of a command, with every key of a job file
+  trebsweep --version
+
+JOB is a text file of keys with their values; jobs/paper.cfg is one to start from. Any of its keys is
+also an option, which wins over the file: --solver.tolerance 1e-9
+
+Exit codes: 0 complete, 1 run-time error, 2 bad command line or job file.
+)";
+
+const char* const sweep_help =
+    R"(Usage: trebsweep sweep JOB [options]
+
+Integrates every design (r1, r3, r2) of the job's lattice, on all ranks it was started with, and writes
+maps of what each one does into one HDF5 archive (see output.file). While it works, the file's name ends
+in .partial.
+
+)";
+
+const char* const trace_help =
+    R"(Usage: trebsweep trace JOB --r1 M --r2 M --r3 M [options]
+
+Prints the swing of one design, from rest to its release, as a table with the columns
+  t        time, s
+  phi1     angle of the counterweight's arm from the upward vertical, clockwise, rad
+  phi2     angle of the sling from the downward vertical, clockwise, rad
+  w1 w2    their rates, rad/s
+  x1 y1    counterweight, m from the fulcrum
+  xt yt    tip of the throwing arm
+  x3 y3    projectile
+  speed    of the projectile, m/s
+  energy   kinetic and potential, J
+  tension  of the sling, N
+
+)";
+
+po::options_description command_options(Command command) {
+  po::options_description options("Options");
+  auto add = options.add_options();
+  add("help", "this text");
+  if (command == Command::sweep) {
+    add("overwrite", "replace the archive, or the unfinished one, that is there");
+    add("progress", po::value<std::string>()->value_name("STYLE"),
+        "on stderr: auto, bar, lines or none");
+  } else {
+    const auto metres = [] { return po::value<std::string>()->value_name("M"); };
+    add("r1", metres(), "counterweight's arm, m");
+    add("r2", metres(), "throwing arm, m");
+    add("r3", metres(), "sling, m");
+    add("interval", po::value<std::string>()->value_name("S"),
+        "time between rows, s; without it every step of a fixed stepper, else 0.01");
+  }
+  return options;
+}
+
+po::options_description key_options() {
+  po::options_description options("Keys of the job file, with their defaults");
+  const Job defaults;
+  for (const Key& key : job_keys())
+    options.add_options()(
+        key.name.c_str(),
+        po::value<std::string>()->value_name(fmt::format("(={})", key.get(defaults))),
+        key.help.c_str());
+  return options;
+}
+
+std::string help_of(Command command) {
+  std::ostringstream text;
+  text << (command == Command::sweep ? sweep_help : trace_help) << command_options(command) << "\n"
+       << key_options();
+  return text.str();
+}
+
+/// Parses what follows the command; texts only, so that every value is checked in one way.
+po::variables_map parse_options(Command command, int argc, const char* const* argv) {
+  po::options_description options;
+  options.add(command_options(command)).add(key_options());
+  options.add_options()("job", po::value<std::vector<std::string>>());
+  po::positional_options_description positions;
+  positions.add("job", -1);
+  constexpr int exact =
+      po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
+  po::variables_map given;
+  try {
+    po::store(po::command_line_parser(argc - 1, argv + 1)
+                  .options(options)
+                  .positional(positions)
+                  .style(exact)
+                  .run(),
+              given);
+  } catch (const po::unknown_option& unknown) {
+    throw InputError(fmt::format("{}: unknown option; 'trebsweep {} --help' lists them",
+                                 unknown.get_option_name(), argv[1]));
+  } catch (const po::error& error) {
+    throw InputError(fmt::format("{}; see 'trebsweep {} --help'", error.what(), argv[1]));
+  }
+  return given;
+}
+
+double length(const po::variables_map& given, const std::string& name) {
+  if (!given.count(name)) throw InputError("--" + name + ": missing; give its length in metres");
+  return to_number(name, given[name].as<std::string>(), positive);
+}
+
+Command to_command(const std::string& name) {
+  if (name == "sweep") return Command::sweep;
+  if (name == "trace") return Command::trace;
+  throw InputError(fmt::format("{}: unknown command; the commands are sweep and trace", name));
+}
+
+ProgressStyle to_progress(const std::string& value) {
+  const auto found = std::find(progress_names.begin(), progress_names.end(), value);
+  if (found == progress_names.end())
+    refuse("progress", value, fmt::format("one of {}", fmt::join(progress_names, ", ")));
+  return static_cast<ProgressStyle>(found - progress_names.begin());
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv) {
+  CommandLine line;
+  line.help = general_help;
+  if (argc < 2) throw InputError("no command given; try 'trebsweep --help'");
+  const std::string first = argv[1];
+  if (first == "--help" || first == "-h") return line;
+  line.command = Command::version;
+  if (first == "--version") return line;
+
+  line.command = to_command(first);
+  const po::variables_map given = parse_options(line.command, argc, argv);
+  if (given.count("help")) {
+    line.help = help_of(line.command);
+    line.command = Command::help;
+    return line;
+  }
+  if (!given.count("job")) throw InputError("no job file given; try jobs/paper.cfg");
+  const auto& files = given["job"].as<std::vector<std::string>>();
+  if (files.size() > 1)
+    throw InputError(fmt::format("{}: only one job file can be given", files[1]));
+  line.job_file = files[0];
+  for (const Key& key : job_keys())
+    if (given.count(key.name)) line.overrides[key.name] = given[key.name].as<std::string>();
+
+  if (line.command == Command::sweep) {
+    line.overwrite = given.count("overwrite") > 0;
+    if (given.count("progress")) line.progress = to_progress(given["progress"].as<std::string>());
+  } else {
+    line.design = {length(given, "r1"), length(given, "r3"), length(given, "r2")};
+    if (given.count("interval"))
+      line.interval = to_number("interval", given["interval"].as<std::string>(), positive);
+  }
+  return line;
+}
+
+}  // namespace trebsweep

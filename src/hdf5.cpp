@@ -1,0 +1,61 @@
+#include "trebsweep/hdf5.hpp"
+
+#include <stdexcept>
+
+namespace trebsweep::hdf5 {
+namespace {
+
+/// Keeps the innermost message of the error stack: the cause.
+herr_t remember_cause(unsigned n, const H5E_error2_t* error, void* reason) {
+  if (n == 0 && error->desc) *static_cast<std::string*>(reason) = error->desc;
+  return 0;
+}
+
+Datatype text_type() {
+  // Variable length and UTF-8: what h5py and netCDF read as str.
+  Datatype type(H5Tcopy(H5T_C_S1), "make a text type");
+  check(H5Tset_size(type, H5T_VARIABLE), "make a text type");
+  check(H5Tset_cset(type, H5T_CSET_UTF8), "make a text type");
+  return type;
+}
+
+void write(hid_t object, const std::string& name, hid_t type, const void* value) {
+  const std::string what = "write attribute " + name;
+  const Dataspace space(H5Screate(H5S_SCALAR), what);
+  const Attribute attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
+                            what);
+  check(H5Awrite(attribute, type, value), what);
+}
+
+}  // namespace
+
+void fail(const std::string& what) {
+  std::string reason;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, remember_cause, &reason);
+  throw std::runtime_error("cannot " + what + (reason.empty() ? "" : ": " + reason));
+}
+
+void write_attribute(hid_t object, const std::string& name, const std::string& value) {
+  const char* text = value.c_str();
+  write(object, name, text_type(), &text);
+}
+
+void write_attribute(hid_t object, const std::string& name, double value) {
+  write(object, name, H5T_NATIVE_DOUBLE, &value);
+}
+
+void write_attribute(hid_t object, const std::string& name, unsigned long long value) {
+  write(object, name, H5T_NATIVE_ULLONG, &value);
+}
+
+std::string read_text_attribute(hid_t object, const std::string& name) {
+  const std::string what = "read attribute " + name;
+  const Attribute attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), what);
+  char* text = nullptr;
+  check(H5Aread(attribute, text_type(), &text), what);
+  const std::string value(text ? text : "");
+  H5free_memory(text);
+  return value;
+}
+
+}  // namespace trebsweep::hdf5

@@ -1,0 +1,310 @@
+#include "trebsweep/job.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/algorithm/string.hpp>
+#include <boost/math/constants/constants.hpp>
+#include <boost/program_options.hpp>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "trebsweep/error.hpp"
+#include "trebsweep/number.hpp"
+#include "trebsweep/stepper.hpp"
+
+namespace trebsweep {
+namespace {
+
+namespace po = boost::program_options;
+
+/// A key with a number; `member` gives the place of it in a Job.
+template <class Member>
+Key number(const std::string& name, const std::string& help, const Range& range, Member member) {
+  return {name, fmt::format("{}; {}", help, range.text()),
+          [=](Job& job, const std::string& value) { member(job) = to_number(name, value, range); },
+          [=](const Job& job) { return fmt::format("{}", member(job)); }};
+}
+
+template <class Member>
+Key whole_number(const std::string& name, const std::string& help, std::uint64_t low,
+                 std::uint64_t high, Member member) {
+  const std::string allowed = fmt::format("a whole number from {} to {}", low, high);
+  return {name, fmt::format("{}; {}", help, allowed),
+          [=](Job& job, const std::string& value) {
+            std::uint64_t n = 0;
+            if (!parses(value, n) || n < low || n > high) refuse(name, value, allowed);
+            member(job) = static_cast<std::decay_t<decltype(member(job))>>(n);
+          },
+          [=](const Job& job) { return fmt::format("{}", member(job)); }};
+}
+
+template <class Names>
+std::size_t to_choice(const std::string& key, const std::string& value, const Names& names) {
+  const auto found = std::find(names.begin(), names.end(), value);
+  if (found == names.end()) refuse(key, value, fmt::format("one of {}", fmt::join(names, ", ")));
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+/// A key with one of the names of an enumeration, in its order.
+template <class Names, class Member>
+Key choice(const std::string& name, const std::string& help, const Names& names, Member member) {
+  return {
+      name, fmt::format("{}; one of {}", help, fmt::join(names, ", ")),
+      [=](Job& job, const std::string& value) {
+        using Choice = std::decay_t<decltype(member(job))>;
+        member(job) = static_cast<Choice>(to_choice(name, value, names));
+      },
+      [=](const Job& job) { return std::string(names[static_cast<std::size_t>(member(job))]); }};
+}
+
+Key stepper_key() {
+  return {"solver.stepper",
+          fmt::format("method of integration; one of {}", fmt::join(stepper_names, ", ")),
+          [](Job& job, const std::string& value) {
+            job.solver.stepper = stepper_names[to_choice("solver.stepper", value, stepper_names)];
+          },
+          [](const Job& job) { return job.solver.stepper; }};
+}
+
+AxisRange to_axis(const std::string& key, const std::string& value) {
+  const std::string allowed =
+      "first:last:step or a single value, in metres, with 0 < first <= last and step > 0";
+  std::vector<std::string> parts;
+  boost::split(parts, value, boost::is_any_of(":"));
+  std::vector<double> numbers;
+  for (const std::string& part : parts) {
+    double x = 0;
+    if (!parses(boost::trim_copy(part), x) || !positive.contains(x)) refuse(key, value, allowed);
+    numbers.push_back(x);
+  }
+  if (numbers.size() == 1) return {numbers[0], numbers[0], 1};
+  if (numbers.size() != 3 || numbers[0] > numbers[1]) refuse(key, value, allowed);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+template <class Member>
+Key axis(const std::string& name, const std::string& help, Member member) {
+  return {name, help + ", as first:last:step (both ends included) or a single value, m",
+          [=](Job& job, const std::string& value) { member(job) = to_axis(name, value); },
+          [=](const Job& job) -> std::string {
+            const auto& range = member(job);
+            if (!range) return "";
+            if (range->first == range->last) return fmt::format("{}", range->first);
+            return fmt::format("{}:{}:{}", range->first, range->last, range->step);
+          }};
+}
+
+std::vector<std::string_view> field_names() {
+  std::vector<std::string_view> names;
+  for (const FieldInfo& field : field_info) names.push_back(field.name);
+  return names;
+}
+
+Key fields_key() {
+  const std::string name = "output.fields";
+  const std::string allowed =
+      fmt::format("a list, without repetition, of {}", fmt::join(field_names(), ", "));
+  return {name, "maps to store; " + allowed,
+          [=](Job& job, const std::string& value) {
+            std::vector<std::string> words;
+            boost::split(words, boost::trim_copy(value), boost::is_any_of(", "),
+                         boost::token_compress_on);
+            std::vector<Field> fields;
+            for (const std::string& word : words) {
+              const auto names = field_names();
+              const auto found = std::find(names.begin(), names.end(), word);
+              const auto field = static_cast<Field>(found - names.begin());
+              if (found == names.end() || std::count(fields.begin(), fields.end(), field))
+                refuse(name, value, allowed);
+              fields.push_back(field);
+            }
+            job.output.fields = fields;
+          },
+          [](const Job& job) {
+            std::vector<std::string_view> names;
+            for (const Field field : job.output.fields) names.push_back(info(field).name);
+            return fmt::format("{}", fmt::join(names, ", "));
+          }};
+}
+
+Key file_key() {
+  return {"output.file", "path of the archive; by default the job file's name with .h5, here",
+          [](Job& job, const std::string& value) {
+            if (value.empty()) refuse("output.file", value, "a path");
+            job.output.file = value;
+          },
+          [](const Job& job) { return job.output.file; }};
+}
+
+std::vector<Key> make_keys() {
+  constexpr double pi = boost::math::double_constants::pi;
+  constexpr std::array inertias{"slender", "prism", "none"};
+  constexpr std::array releases{"crossing", "window"};
+  constexpr std::array storages{"float64", "float32"};
+  return {
+      number(
+          "scene.gravity", "gravitational acceleration g, m/s^2", positive,
+          [](auto& job) -> auto& { return job.scene.gravity; }),
+      number(
+          "scene.counterweight-mass", "m1, kg", positive,
+          [](auto& job) -> auto& { return job.scene.counterweight_mass; }),
+      number(
+          "scene.projectile-mass", "m3, kg", positive,
+          [](auto& job) -> auto& { return job.scene.projectile_mass; }),
+      number(
+          "scene.release-height", "height h of the counterweight at the start, m", positive,
+          [](auto& job) -> auto& { return job.scene.release_height; }),
+      number(
+          "scene.fulcrum-height", "height h0 of the fulcrum, m", positive,
+          [](auto& job) -> auto& { return job.scene.fulcrum_height; }),
+      number(
+          "scene.beam-density", "density of the beam, kg/m^3", not_negative,
+          [](auto& job) -> auto& { return job.scene.beam_density; }),
+      number(
+          "scene.beam-side", "side of the beam's square section, m", not_negative,
+          [](auto& job) -> auto& { return job.scene.beam_side; }),
+      choice(
+          "scene.beam-inertia", "moment of inertia of the beam", inertias,
+          [](auto& job) -> auto& { return job.scene.beam_inertia; }),
+      number(
+          "scene.sling-angle", "phi2 at the start, rad; 0 hangs straight down", Range{-pi, pi},
+          [](auto& job) -> auto& { return job.scene.sling_angle; }),
+      number(
+          "lattice.increment", "step of the lattice dr, m", positive,
+          [](auto& job) -> auto& { return job.lattice.increment; }),
+      number(
+          "lattice.shortest-sling", "where r3 begins, m", positive,
+          [](auto& job) -> auto& { return job.lattice.shortest_sling; }),
+      axis(
+          "lattice.r1", "counterweight's arms instead of h - h0 < r1 < h0",
+          [](auto& job) -> auto& { return job.lattice.r1; }),
+      axis(
+          "lattice.r3", "slings instead of shortest-sling <= r3 < h0",
+          [](auto& job) -> auto& { return job.lattice.r3; }),
+      axis(
+          "lattice.r2", "throwing arms instead of 0 < r2 < h0 - r3",
+          [](auto& job) -> auto& { return job.lattice.r2; }),
+      stepper_key(),
+      number(
+          "solver.time-step", "a fixed stepper's step, an adaptive one's first try, s", positive,
+          [](auto& job) -> auto& { return job.solver.time_step; }),
+      number(
+          "solver.tolerance", "error allowed in one adaptive step, absolute and relative",
+          Range{1e-15, 0.1}, [](auto& job) -> auto& { return job.solver.tolerance; }),
+      choice(
+          "solver.release",
+          "crossing: phi1 = pi, met exactly; window: first step with |pi - phi1| < release-window",
+          releases, [](auto& job) -> auto& { return job.solver.release; }),
+      number(
+          "solver.release-window", "the paper's window, rad", positive,
+          [](auto& job) -> auto& { return job.solver.release_window; }),
+      number(
+          "solver.max-time", "swings not released by then are given up, s", positive,
+          [](auto& job) -> auto& { return job.solver.max_time; }),
+      whole_number(
+          "solver.max-steps", "steps tried per swing before it is given up", 1, 1000000000000,
+          [](auto& job) -> auto& { return job.solver.max_steps; }),
+      file_key(),
+      fields_key(),
+      choice(
+          "output.storage", "number type of the maps", storages,
+          [](auto& job) -> auto& { return job.output.storage; }),
+      whole_number(
+          "output.compression", "deflate level of the maps, 0 = off", 0, 9,
+          [](auto& job) -> auto& { return job.output.compression; }),
+  };
+}
+
+std::string section_of(const std::string& name) { return name.substr(0, name.find('.')); }
+
+std::string key_of(const std::string& name) { return name.substr(name.find('.') + 1); }
+
+[[noreturn]] void refuse_unknown(const std::string& name) {
+  std::vector<std::string> known;
+  for (const Key& key : job_keys())
+    if (section_of(key.name) == section_of(name)) known.push_back(key_of(key.name));
+  if (known.empty())
+    throw InputError(
+        fmt::format("{}: unknown key; the sections are scene, lattice, solver, output", name));
+  throw InputError(fmt::format("{}: unknown key; the keys of [{}] are {}", name, section_of(name),
+                               fmt::join(known, ", ")));
+}
+
+po::options_description file_options() {
+  po::options_description options;
+  for (const Key& key : job_keys())
+    options.add_options()(key.name.c_str(), po::value<std::string>());
+  return options;
+}
+
+}  // namespace
+
+const std::vector<Key>& job_keys() {
+  static const std::vector<Key> keys = make_keys();
+  return keys;
+}
+
+Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides) {
+  po::variables_map given;
+  try {
+    std::istringstream stream(text);
+    po::store(po::parse_config_file(stream, file_options()), given);
+  } catch (const po::unknown_option& unknown) {
+    refuse_unknown(unknown.get_option_name());
+  } catch (const po::error& error) {
+    throw InputError(fmt::format("job file {}: {}", name, error.what()));
+  }
+  Job job;
+  job.output.file = std::filesystem::path(name).stem().string() + ".h5";
+  for (const Key& key : job_keys()) {
+    const auto override = overrides.find(key.name);
+    if (override != overrides.end())
+      key.set(job, override->second);
+    else if (given.count(key.name))
+      key.set(job, given[key.name].as<std::string>());
+  }
+  return job;
+}
+
+std::string read_job_file(const std::string& path) {
+  const auto refuse_file = [&](const std::string& why) {
+    throw InputError(
+        fmt::format("job file {}: {}; give the path of a readable text file", path, why));
+  };
+  if (std::filesystem::is_directory(path)) refuse_file("is a directory");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) refuse_file(std::strerror(errno));
+  constexpr std::size_t longest = 1 << 20;
+  std::string content(longest + 1, '\0');
+  file.read(content.data(), static_cast<std::streamsize>(content.size()));
+  if (file.bad()) refuse_file(std::strerror(errno));
+  content.resize(static_cast<std::size_t>(file.gcount()));
+  if (content.size() > longest) refuse_file("is longer than 1 MiB");
+  const bool binary = std::any_of(content.begin(), content.end(), [](unsigned char c) {
+    return c < ' ' && c != '\n' && c != '\r' && c != '\t';
+  });
+  if (binary) refuse_file("is not a text file");
+  return content;
+}
+
+std::string to_text(const Job& job) {
+  std::string text, section;
+  for (const Key& key : job_keys()) {
+    const std::string value = key.get(job);
+    if (value.empty()) continue;
+    if (section != section_of(key.name)) {
+      section = section_of(key.name);
+      text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section);
+    }
+    text += fmt::format("{} = {}\n", key_of(key.name), value);
+  }
+  return text;
+}
+
+}  // namespace trebsweep

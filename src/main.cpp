@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cstdio>
+#include <span>
+
+#include "trebsweep/command_line.hpp"
+#include "trebsweep/error.hpp"
+#include "trebsweep/mpi.hpp"
+#include "trebsweep/sweep.hpp"
+#include "trebsweep/trace.hpp"
+#include "trebsweep/version.hpp"
+
+namespace {
+
+using namespace trebsweep;
+
+void run_sweep(const CommandLine& line, const Job& job, const std::string& command) {
+  const SweepOptions options{
+      .overwrite = line.overwrite, .progress = line.progress, .command = command};
+  const auto summary = sweep(job, options, MPI_COMM_WORLD);
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  if (summary)
+    fmt::print("{}", to_text(*summary, job, mpi::size(MPI_COMM_WORLD)));
+  else
+    fmt::print(stderr, "{} holds the complete archive of this job; --overwrite computes it anew\n",
+               job.output.file);
+}
+
+void run_trace(const CommandLine& line, const Job& job) {
+  const Status status = trace(job, line.design, line.interval, stdout);
+  if (status != Status::released)
+    fmt::print(stderr, "the swing ends without a release: {}\n",
+               status_names[static_cast<std::size_t>(status)]);
+}
+
+void run(int argc, char** argv) {
+  const CommandLine line = parse_command_line(argc, argv);
+  const bool root = mpi::rank(MPI_COMM_WORLD) == 0;
+  if (line.command == Command::help || line.command == Command::version) {
+    if (root) fmt::print("{}", line.command == Command::help ? line.help : version_text() + "\n");
+    return;
+  }
+  const std::string text =
+      mpi::on_root(MPI_COMM_WORLD, [&] { return read_job_file(line.job_file); });
+  const Job job = parse_job(text, line.job_file, line.overrides);
+  if (line.command == Command::sweep)
+    run_sweep(line, job, fmt::format("{}", fmt::join(std::span(argv, argv + argc), " ")));
+  else if (root)
+    run_trace(line, job);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const mpi::Environment environment(argc, argv);
+  const int rank = mpi::rank(MPI_COMM_WORLD);
+  try {
+    run(argc, argv);
+    return 0;
+  } catch (const InputError& error) {
+    // Every rank comes here with the same message; one tells it.
+    if (rank == 0) fmt::print(stderr, "trebsweep: {}\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "trebsweep: rank {}: {}\n", rank, error.what());
+    MPI_Abort(MPI_COMM_WORLD, 1);
+    return 1;
+  }
+}

@@ -1,0 +1,66 @@
+#include "trebsweep/mpi.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <stdexcept>
+
+#include "trebsweep/error.hpp"
+
+namespace trebsweep::mpi {
+
+int rank(MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+
+int size(MPI_Comm comm) {
+  int size = 0;
+  MPI_Comm_size(comm, &size);
+  return size;
+}
+
+std::string broadcast(std::string text, MPI_Comm comm) {
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, 0, comm);
+  text.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(text.data(), length, MPI_CHAR, 0, comm);
+  return text;
+}
+
+double max(double value, MPI_Comm comm) {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm);
+  return value;
+}
+
+std::uint64_t min(std::uint64_t value, MPI_Comm comm) {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_UINT64_T, MPI_MIN, comm);
+  return value;
+}
+
+void sum(std::span<std::uint64_t> values, MPI_Comm comm) {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_UINT64_T, MPI_SUM,
+                comm);
+}
+
+std::string on_root(MPI_Comm comm, const std::function<std::string()>& f) {
+  // The first character tells a result from the two kinds of failure.
+  std::string message;
+  if (rank(comm) == 0) {
+    try {
+      message = fmt::format("={}", f());
+    } catch (const InputError& error) {
+      message = fmt::format("!{}", error.what());
+    } catch (const std::exception& error) {
+      message = fmt::format("?{}", error.what());
+    }
+  }
+  message = broadcast(message, comm);
+  const std::string text = message.substr(1);
+  if (message[0] == '!') throw InputError(text);
+  if (message[0] == '?') throw std::runtime_error(text);
+  return text;
+}
+
+}  // namespace trebsweep::mpi
