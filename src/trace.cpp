@@ -19,12 +19,13 @@ void print_row(const Motion<double>& motion, const Instant<double>& at, std::FIL
   const auto counterweight = motion.counterweight(at.x);
   const auto tip = motion.arm_tip(at.x);
   const auto projectile = motion.projectile(at.x);
-  fmt::print(out,
-             "{:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.8g} {:.8g} {:.8g} {:.8g} {:.8g} {:.8g} "
-             "{:.10g} {:.12g} {:.8g}\n",
-             at.t, at.x[phi1], at.x[phi2], at.x[w1], at.x[w2], counterweight.x, counterweight.y,
-             tip.x, tip.y, projectile.x, projectile.y, motion.speed(at.x), motion.energy(at.x),
-             motion.sling_tension(at.x, at.dxdt));
+  fmt::print(
+      out,
+      "{:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} "
+      "{:.10g} {:.12g} {:.10g}\n",
+      at.t, at.x[phi1], at.x[phi2], at.x[w1], at.x[w2], counterweight.x, counterweight.y, tip.x,
+      tip.y, projectile.x, projectile.y, motion.speed(at.x), motion.energy(at.x),
+      motion.sling_tension(at.x, at.dxdt));
 }
 
 /// An observer of a swing that prints the rows due in each step, and remembers its end.

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Compares a map of two archives of one lattice: A less B, in numbers and as a picture.
+
+For example the paper's Euler sweep against an accurate one:
+    analysis/compare.py paper.h5 accurate.h5
+"""
+
+import argparse
+import os
+import sys
+
+import numpy as np
+
+from archive import AXES, Archive, edges, plt, save, unit_text
+from heatmap import PLANES, plane
+
+
+def check_lattices(a, b):
+    """Ends the program unless both archives have the same axes."""
+    for name in AXES:
+        x, y = a.axes[name], b.axes[name]
+        if len(x) != len(y) or not np.allclose(x, y, rtol=1e-12):
+            sys.exit(f"{a.path} and {b.path} have different lattices: {name} runs over "
+                     f"{len(x)} values from {x[0]:g} to {x[-1]:g} m and {len(y)} values from "
+                     f"{y[0]:g} to {y[-1]:g} m")
+
+
+def place(archive, cell):
+    """A cell's design as text."""
+    values = {name: archive.axes[name][i] for name, i in zip(AXES, cell)}
+    return ", ".join(f"{name} = {values[name]:g}" for name in ("r1", "r2", "r3")) + " m"
+
+
+def best(archive):
+    """An archive's optimum as text."""
+    optimum = archive.optimum()
+    if optimum is None:
+        return "nothing released"
+    where = ", ".join(f"{name} = {optimum[name]:g}" for name in ("r1", "r2", "r3"))
+    return f"{archive.attribute('best_speed'):.8f} m/s at {where} m"
+
+
+def report(a, b, field):
+    """Prints the difference of the archives in numbers."""
+    x, y = a.map(field)[...], b.map(field)[...]
+    both = np.isfinite(x) & np.isfinite(y)
+    only = int((np.isfinite(x) != np.isfinite(y)).sum())
+    print(f"A         {a.path}: {best(a)}")
+    print(f"B         {b.path}: {best(b)}")
+    print(f"designs   {int(both.sum())} with a {field} in both, {only} in one of them only")
+    if not both.any():
+        return
+    difference = np.where(both, x - y, 0)
+    size = np.abs(difference[both])
+    relative = difference[both] / np.maximum(np.abs(y[both]), np.finfo(float).tiny)
+    unit = unit_text(a.map(field).attrs.get("units", ""))
+    print(f"|A - B|   median {np.median(size):.6g}, 95 % below {np.percentile(size, 95):.6g}, "
+          f"largest {size.max():.6g} {unit}")
+    print(f"relative  median {np.median(relative):+.3%} (of its size {np.median(np.abs(relative)):.3%}), "
+          f"largest {np.abs(relative).max():.3%}")
+    worst = np.unravel_index(np.argmax(np.abs(difference)), difference.shape)
+    print(f"largest   at {place(a, worst)}: {x[worst]:.8g} against {y[worst]:.8g} {unit}")
+
+
+def draw(a, b, field, centre):
+    """The figure of A - B in the three planes through `centre` ({axis: m})."""
+    figure, panels = plt.subplots(1, 3, figsize=(15, 5.2), constrained_layout=True)
+    parts = []
+    for fixed, horizontal, vertical in PLANES:
+        index = a.index(fixed, centre[fixed])
+        parts.append(plane(a, field, fixed, index, horizontal, vertical)
+                     - plane(b, field, fixed, index, horizontal, vertical))
+    finite = np.concatenate([part[np.isfinite(part)] for part in parts])
+    limit = np.abs(finite).max() if finite.size and finite.any() else 1
+    for axes, part, (fixed, horizontal, vertical) in zip(panels, parts, PLANES):
+        mesh = axes.pcolormesh(edges(a.axes[horizontal]), edges(a.axes[vertical]), part,
+                               cmap="RdBu_r", vmin=-limit, vmax=limit, rasterized=True)
+        axes.plot(centre[horizontal], centre[vertical], "*", color="black", markersize=11,
+                  markeredgecolor="white")
+        axes.set_xlabel(a.label(horizontal))
+        axes.set_ylabel(a.label(vertical))
+        axes.set_title(f"{fixed} = {a.axes[fixed][a.index(fixed, centre[fixed])]:g} m")
+        axes.set_facecolor("0.93")
+    bar = figure.colorbar(mesh, ax=panels, pad=0.01)
+    bar.set_label("difference of the " + a.label(field))
+    names = [os.path.splitext(os.path.basename(archive.path))[0] for archive in (a, b)]
+    figure.suptitle(f"{names[0]} less {names[1]}, through the optimum of {names[1]}")
+    return figure
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("a", metavar="A", help="archive")
+    parser.add_argument("b", metavar="B", help="archive to hold it against")
+    parser.add_argument("--field", default="speed", help="the map to compare (default: speed)")
+    parser.add_argument("-o", "--output", metavar="PICTURE", help="default: A-B.png beside A")
+    arguments = parser.parse_args()
+
+    a, b = Archive(arguments.a), Archive(arguments.b)
+    field = arguments.field.replace("-", "_")
+    check_lattices(a, b)
+    if a.map(field).dtype.kind != "f" or b.map(field).dtype.kind != "f":
+        sys.exit(f"{field}: holds flags, not numbers; choose another field")
+    report(a, b, field)
+    centre = b.optimum() or {name: values[len(values) // 2] for name, values in b.axes.items()}
+    name = os.path.splitext(os.path.basename(arguments.b))[0]
+    save(draw(a, b, field, centre),
+         arguments.output or f"{os.path.splitext(arguments.a)[0]}-{name}.png")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Draws a map of an archive: its three planes through the optimum.
+
+What is outside the lattice stays blank; a star marks the optimum. A plane of your own choice:
+--r1 0.7. The format follows the suffix of the picture (png, svg, pdf).
+"""
+
+import argparse
+import os
+
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+
+from archive import AXES, Archive, edges, plt, save
+
+# The planes: (fixed axis, horizontal axis, vertical axis).
+PLANES = (("r1", "r2", "r3"), ("r3", "r2", "r1"), ("r2", "r3", "r1"))
+
+FIXED_STEPPERS = ("euler", "rk4")
+
+
+def plane(archive, field, fixed, index, horizontal, vertical):
+    """The values of a map at axis `fixed` = its value number `index`, as (vertical, horizontal)."""
+    where = tuple(index if name == fixed else slice(None) for name in AXES)
+    values = archive.map(field)[where]
+    left = [name for name in AXES if name != fixed]
+    return values if left == [vertical, horizontal] else values.T
+
+
+def flag_colours(archive, field):
+    """Colours, their norm and the meanings of a map of flags, for the values that are not blank."""
+    attributes = archive.map(field).attrs
+    meanings = str(attributes["flag_meanings"]).split()
+    colours = ListedColormap(["white", *plt.get_cmap("Set2").colors[: len(meanings) - 1]])
+    return colours, BoundaryNorm(np.arange(len(meanings) + 1) - 0.5, len(meanings)), meanings
+
+
+def draw_plane(axes, archive, field, centre, axis_names, style):
+    """Draws one plane; returns its colours, for the colour bar."""
+    fixed, horizontal, vertical = axis_names
+    values = plane(archive, field, fixed, archive.index(fixed, centre[fixed]), horizontal, vertical)
+    x, y = archive.axes[horizontal], archive.axes[vertical]
+    mesh = axes.pcolormesh(edges(x), edges(y), values, rasterized=True, **style)
+    is_number = values.dtype.kind == "f"
+    if is_number and min(values.shape) > 1 and np.isfinite(values).any():
+        lines = axes.contour(x, y, values, 8, colors="white", linewidths=0.6, alpha=0.8)
+        axes.clabel(lines, fontsize=7, fmt="%g")
+    optimum = archive.optimum()
+    if optimum and archive.index(fixed, optimum[fixed]) == archive.index(fixed, centre[fixed]):
+        axes.plot(optimum[horizontal], optimum[vertical], "*", color="red", markersize=13,
+                  markeredgecolor="white", label="fastest", clip_on=False)
+    axes.set_xlabel(archive.label(horizontal))
+    axes.set_ylabel(archive.label(vertical))
+    axes.set_title(f"{fixed} = {archive.axes[fixed][archive.index(fixed, centre[fixed])]:g} m")
+    return mesh
+
+
+def value_limits(archive, field, centre):
+    """The smallest and largest number in the planes, so that all share one scale."""
+    parts = [plane(archive, field, fixed, archive.index(fixed, centre[fixed]), *rest).ravel()
+             for fixed, *rest in PLANES]
+    values = np.concatenate(parts)
+    values = values[np.isfinite(values)]
+    return (values.min(), values.max()) if values.size else (0, 1)
+
+
+def title(archive, field):
+    """What is drawn and how it was computed."""
+    job = archive.job()
+    name = os.path.splitext(os.path.basename(archive.path))[0]
+    text = f"{name}: {archive.map(field).attrs['long_name']}"
+    stepper = job.get(("solver", "stepper"))
+    if stepper:
+        setting = "time-step" if stepper in FIXED_STEPPERS else "tolerance"
+        text += f" ({stepper}, {setting.replace('-', ' ')} {job['solver', setting]}"
+        text += " s)" if setting == "time-step" else ")"
+    best = archive.optimum()
+    if best:
+        text += (f"\nfastest {archive.attribute('best_speed'):.5g} m/s at "
+                 + ", ".join(f"{axis} = {best[axis]:g}" for axis in ("r1", "r2", "r3")) + " m")
+    return text
+
+
+def draw(archive, field, centre):
+    """The figure with the three planes through `centre` ({axis: m})."""
+    figure, panels = plt.subplots(1, 3, figsize=(15, 5.2), constrained_layout=True)
+    is_number = archive.map(field).dtype.kind == "f"
+    if is_number:
+        low, high = value_limits(archive, field, centre)
+        style = {"cmap": "viridis", "vmin": low, "vmax": high}
+    else:
+        colours, norm, meanings = flag_colours(archive, field)
+        style = {"cmap": colours, "norm": norm}
+    for axes, names in zip(panels, PLANES):
+        mesh = draw_plane(axes, archive, field, centre, names, style)
+    bar = figure.colorbar(mesh, ax=panels, pad=0.01)
+    if is_number:
+        bar.set_label(archive.label(field.replace("-", "_")))
+    else:
+        bar.set_ticks(range(len(meanings)), labels=[word.replace("_", " ") for word in meanings])
+    figure.suptitle(title(archive, field))
+    return figure
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("archive", help="archive of a sweep")
+    parser.add_argument("--field", default="speed", help="the map to draw (default: speed)")
+    for axis in AXES:
+        parser.add_argument(f"--{axis}", type=float, metavar="M",
+                            help=f"draw the plane at this {axis} (default: the optimum's)")
+    parser.add_argument("-o", "--output", metavar="PICTURE",
+                        help="default: the archive's name with the field's and .png")
+    arguments = parser.parse_args()
+
+    archive = Archive(arguments.archive)
+    middle = {name: values[len(values) // 2] for name, values in archive.axes.items()}
+    centre = archive.optimum() or middle
+    centre.update({name: getattr(arguments, name) for name in AXES
+                   if getattr(arguments, name) is not None})
+    output = arguments.output or f"{os.path.splitext(arguments.archive)[0]}-{arguments.field}.png"
+    save(draw(archive, arguments.field, centre), output)
+
+
+if __name__ == "__main__":
+    main()

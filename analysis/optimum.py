@@ -1,0 +1,27 @@
+#!/usr/bin/env python3
+"""Prints the fastest design of an archive as options for `trebsweep trace`."""
+
+import argparse
+import sys
+
+from archive import Archive
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("archive", help="archive of a sweep")
+    parser.add_argument("--job", metavar="FILE", help="also write the job, as it was run, to FILE")
+    arguments = parser.parse_args()
+
+    archive = Archive(arguments.archive)
+    if arguments.job:
+        with open(arguments.job, "w", encoding="utf-8") as file:
+            file.write(archive.attribute("job"))
+    optimum = archive.optimum()
+    if optimum is None:
+        sys.exit(f"{arguments.archive}: has no optimum: nothing was released")
+    print(" ".join(f"--{name} {float(value)!r}" for name, value in optimum.items()))
+
+
+if __name__ == "__main__":
+    main()

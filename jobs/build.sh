@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that are missing and builds build/release/trebsweep.
+# With --tests: the packages of the tests too, and the tests.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+packages=(cmake g++ libboost-dev libboost-program-options-dev libfmt-dev libhdf5-openmpi-dev
+          libopenmpi-dev ninja-build openmpi-bin python3-h5py python3-matplotlib python3-numpy)
+tests=OFF
+if [[ ${1:-} == --tests ]]; then
+  tests=ON
+  packages+=(catch2 python3-h5netcdf python3-netcdf4 python3-xarray)
+fi
+
+install_missing() {
+  local missing=() package
+  for package in "${packages[@]}"; do
+    [[ $(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) == installed ]] ||
+      missing+=("$package")
+  done
+  [[ ${#missing[@]} -gt 0 ]] || return 0
+  local as_root=()
+  if [[ $(id -u) -ne 0 ]]; then
+    if ! command -v sudo >/dev/null; then
+      echo "These packages are missing; ask somebody with root's rights to run:" >&2
+      echo "  apt-get install ${missing[*]}" >&2
+      exit 1
+    fi
+    as_root=(sudo)
+  fi
+  echo "Installing ${missing[*]}" >&2
+  export DEBIAN_FRONTEND=noninteractive
+  "${as_root[@]}" apt-get update -q
+  "${as_root[@]}" apt-get install -q -y --no-install-recommends "${missing[@]}"
+}
+
+if command -v dpkg-query >/dev/null; then
+  install_missing
+else
+  echo "This is no Debian: hoping that the equivalents of these are here: ${packages[*]}" >&2
+fi
+cmake --preset release -DTREBSWEEP_TESTS=$tests
+cmake --build --preset release

@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# Builds the program (installing what is missing), sweeps a job and draws its pictures into results/.
+#
+#   jobs/run.sh [JOB] [-n RANKS] [-- options]      default: jobs/paper.cfg on 2 ranks
+#   jobs/run.sh jobs/accurate.cfg -n 4 -- --scene.projectile-mass 50
+set -euo pipefail
+
+usage() { sed -n '2,5s/^# \{0,1\}//p' "$0"; }
+
+job='' ranks=2
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    -h | --help) usage; exit 0 ;;
+    -n) ranks=${2:-}; shift $(($# > 1 ? 2 : 1)) ;;
+    --) shift; break ;;
+    -*) echo "jobs/run.sh: $1: unknown option; options of the program go behind --" >&2; exit 2 ;;
+    *)
+      [[ -z $job ]] || { echo "jobs/run.sh: $1: only one job can be given" >&2; exit 2; }
+      job=$1; shift ;;
+  esac
+done
+[[ $ranks =~ ^[1-9][0-9]*$ ]] || { echo "jobs/run.sh: -n $ranks: must be a whole number above 0" >&2; exit 2; }
+repository=$(cd "$(dirname "$0")/.." && pwd)
+job=$(realpath -m -- "${job:-$repository/jobs/paper.cfg}")
+cd "$repository"
+
+jobs/build.sh
+program=build/release/trebsweep
+python=$([[ -x /usr/bin/python3 ]] && echo /usr/bin/python3 || echo python3)
+# Open MPI refuses root, and more ranks than cores, unless told; other MPIs ignore these.
+export OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
+[[ $(id -u) -ne 0 ]] || export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+
+mkdir -p results
+name=$(basename "${job%.*}")
+archive=results/$name.h5
+mpirun -n "$ranks" $program sweep "$job" --output.file "$archive" "$@"
+
+$python analysis/heatmap.py "$archive" -o "results/$name.png"
+# The swing of the optimum, from the job as it was run.
+if design=$($python analysis/optimum.py "$archive" --job "results/$name.cfg"); then
+  # shellcheck disable=SC2086  # three options with their values
+  $program trace "results/$name.cfg" $design >"results/$name-optimum.txt"
+  $python analysis/trajectory.py "results/$name-optimum.txt" -o "results/$name-optimum.png"
+fi

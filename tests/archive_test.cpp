@@ -1,0 +1,111 @@
+#include "trebsweep/archive.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "archive_reader.hpp"
+#include "catch.hpp"
+#include "trebsweep/mpi.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+Lattice small_lattice() {
+  LatticeSpec spec;
+  spec.increment = 0.1;
+  return Lattice(Scene{}, spec);
+}
+
+std::vector<MapInfo> two_maps(MapType type) {
+  return {{"number", "m s-1", "a number", "flag", type, nan, {}},
+          {"flag", "", "a flag", "", MapType::uint8, 0, {"none", "one", "two"}}};
+}
+
+double value_of(const Index3& i) {
+  return static_cast<double>(i[0] * 10000 + i[1] * 100 + i[2]) + 0.25;
+}
+
+/// Writes every tile, each rank its own, with values that tell their place.
+void write_all(Archive& archive, const Lattice& lattice, const Tiling& tiling) {
+  const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
+  const auto ranks = static_cast<std::uint64_t>(mpi::size(MPI_COMM_WORLD));
+  for (std::uint64_t first = 0; first < tiling.size(); first += ranks) {
+    std::optional<Tile> tile;
+    std::vector<std::vector<double>> maps(2);
+    if (first + rank < tiling.size()) {
+      tile = tiling.tile(first + rank);
+      for (std::size_t a = 0; a < tile->count[0]; ++a)
+        for (std::size_t b = 0; b < tile->count[1]; ++b)
+          for (std::size_t c = 0; c < tile->count[2]; ++c) {
+            const Index3 i{tile->first[0] + a, tile->first[1] + b, tile->first[2] + c};
+            maps[0].push_back(lattice.holds(i) ? value_of(i) : nan);
+            maps[1].push_back(lattice.holds(i) ? 2 : 0);
+          }
+    }
+    archive.write(tile, maps);
+    archive.mark_done(first, std::min(ranks, tiling.size() - first));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("Every value lands at its place, plain and compressed, in each number type") {
+  const Lattice lattice = small_lattice();
+  const Tiling tiling(lattice, {4, 3, 5});
+  for (const int compression : {0, 4})
+    for (const MapType type : {MapType::float64, MapType::float32}) {
+      const TemporaryFile file("archive");
+      Archive archive(file.path(), lattice, tiling, two_maps(type), compression, MPI_COMM_WORLD);
+      write_all(archive, lattice, tiling);
+      archive.attribute("job", std::string("some text"));
+      archive.attribute("best_speed", 17.5);
+      CHECK_FALSE(std::filesystem::exists(file.path()));
+      archive.finish();
+      CHECK_FALSE(std::filesystem::exists(Archive::partial_path(file.path())));
+
+      if (mpi::rank(MPI_COMM_WORLD) == 0) {
+        CHECK(archived_job(file.path()) == "some text");
+        const auto numbers = read_map(file.path(), "number"), flags = read_map(file.path(), "flag");
+        const Index3 n = lattice.extent();
+        std::size_t cell = 0;
+        for (std::size_t a = 0; a < n[0]; ++a)
+          for (std::size_t b = 0; b < n[1]; ++b)
+            for (std::size_t c = 0; c < n[2]; ++c, ++cell) {
+              const bool inside = lattice.holds({a, b, c});
+              REQUIRE((inside ? numbers[cell] == value_of({a, b, c}) : std::isnan(numbers[cell])));
+              REQUIRE(flags[cell] == (inside ? 2 : 0));
+            }
+        const auto done = read_map(file.path(), "tile_done");
+        CHECK(done == std::vector<double>(tiling.size(), 1));
+        CHECK(read_map(file.path(), "r3") == lattice.axes()[1]);
+      }
+    }
+}
+
+TEST_CASE("What was not written is the fill value, and not marked done") {
+  const Lattice lattice = small_lattice();
+  const Tiling tiling(lattice, {4, 3, 5});
+  const TemporaryFile file("archive_empty");
+  Archive archive(file.path(), lattice, tiling, two_maps(MapType::float64), 0, MPI_COMM_WORLD);
+  archive.finish();
+  if (mpi::rank(MPI_COMM_WORLD) == 0) {
+    for (const double x : read_map(file.path(), "number")) REQUIRE(std::isnan(x));
+    for (const double x : read_map(file.path(), "flag")) REQUIRE(x == 0);
+    CHECK(read_map(file.path(), "tile_done") == std::vector<double>(tiling.size(), 0));
+    CHECK_FALSE(archived_job(file.path()));
+  }
+}
+
+TEST_CASE("A file that is no archive holds no job") {
+  CHECK_FALSE(archived_job("/nowhere.h5"));
+  CHECK_FALSE(archived_job(SOURCE_DIR "/CMakeLists.txt"));
+}
+
+TEST_CASE("An archive that cannot be created is an error that says why") {
+  CHECK_THROWS_WITH(Archive("/nowhere/a.h5", small_lattice(), Tiling(small_lattice(), {4, 4, 4}),
+                            {}, 0, MPI_COMM_WORLD),
+                    contains("cannot create /nowhere/a.h5.partial"));
+}

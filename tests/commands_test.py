@@ -1,0 +1,271 @@
+"""The commands as a user meets them: exit codes, messages, files, and archives in the tools people use.
+
+Needs TREBSWEEP (the program) and MPIEXEC in the environment.
+"""
+
+import os
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+import xarray as xr
+
+PROGRAM = os.environ["TREBSWEEP"]
+MPIEXEC = os.environ["MPIEXEC"]
+JOBS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "jobs")
+COARSE = ("--lattice.increment", "0.1")
+
+
+class CommandTest(unittest.TestCase):
+    """Runs the program in a folder of its own."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="trebsweep_")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.job = self.write("job.cfg", "[solver]\nstepper = dopri5\nrelease = crossing\n")
+
+    def write(self, name, text):
+        path = os.path.join(self.folder, name)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def run_program(self, *arguments, ranks=None, code=0):
+        launcher = [MPIEXEC, "-n", str(ranks)] if ranks else []
+        done = subprocess.run([*launcher, PROGRAM, *arguments], cwd=self.folder, text=True,
+                              capture_output=True, timeout=120, check=False)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def assert_refused(self, arguments, *words):
+        """Exit code 2, one line that holds the words, and nothing new in the folder."""
+        before = self.snapshot()
+        done = self.run_program(*arguments, code=2)
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        for word in ("trebsweep: ", *words):
+            self.assertIn(word, done.stderr)
+        self.assertEqual(self.snapshot(), before)
+
+    def snapshot(self):
+        """Names and contents of the folder's files."""
+        files = {}
+        for name in os.listdir(self.folder):
+            if os.path.isfile(self.path(name)):
+                with open(self.path(name), "rb") as file:
+                    files[name] = file.read()
+        return files
+
+
+class Help(CommandTest):
+    def test_help_and_version_go_to_stdout(self):
+        for arguments in (["--help"], ["sweep", "--help"], ["trace", "--help"]):
+            self.assertIn("trebsweep", self.run_program(*arguments).stdout)
+        self.assertRegex(self.run_program("--version").stdout, r"^trebsweep \d+\.\d+\.\d+ \(.+\)\n$")
+
+
+class BadInput(CommandTest):
+    def test_impossible_physics_names_key_value_and_what_is_allowed(self):
+        for key in ("gravity", "counterweight-mass", "projectile-mass", "release-height",
+                    "fulcrum-height"):
+            for value in ("0", "-1", "nan", "inf"):
+                with self.subTest(key=key, value=value):
+                    self.assert_refused(["sweep", self.job, f"--scene.{key}", value],
+                                        f"scene.{key} = {value}", "above 0")
+
+    def test_lattices_without_or_with_too_many_designs(self):
+        self.assert_refused(["sweep", self.job, "--scene.release-height", "3.5"],
+                            "scene.release-height = 3.5", "leaves no design")
+        for value in ("0", "-0.01", "nan"):
+            self.assert_refused(["sweep", self.job, "--lattice.increment", value],
+                                f"lattice.increment = {value}", "above 0")
+        self.assert_refused(["sweep", self.job, "--lattice.increment", "1e-8"],
+                            "lattice.increment = 1e-08", "would make a lattice of", "1e+12")
+
+    def test_axes(self):
+        for value in ("1:0.5:0.1", "a:b:c", "0.5:1:0", "0.5:1", "nan"):
+            self.assert_refused(["sweep", self.job, f"--lattice.r1={value}"],
+                                "lattice.r1", "first:last:step")
+
+    def test_choices_are_listed(self):
+        self.assert_refused(["sweep", self.job, "--solver.stepper", "leapfrog"],
+                            "solver.stepper = leapfrog", "euler", "dopri5")
+        self.assert_refused(["sweep", self.job, "--output.fields", "speed,mass"],
+                            "output.fields = speed,mass", "release-time")
+        self.assert_refused(["sweep", self.job, "--output.storage", "float16"],
+                            "output.storage = float16", "float64, float32")
+        self.assert_refused(["sweep", self.job, "--output.compression", "10"],
+                            "output.compression = 10", "0 to 9")
+
+    def test_unknown_keys_in_the_file_and_on_the_command_line(self):
+        job = self.write("typo.cfg", "[scene]\ngravitiy = 9.8\n")
+        self.assert_refused(["sweep", job], "scene.gravitiy", "counterweight-mass")
+        self.assert_refused(["sweep", self.job, "--scene.gravitiy", "9.8"], "scene.gravitiy")
+        self.assert_refused(["sweep", self.job, "--overwrit"], "--overwrit")
+        self.assert_refused(["swep", self.job], "swep", "sweep and trace")
+
+    def test_job_files_that_are_none(self):
+        self.assert_refused(["sweep", "missing.cfg"], "missing.cfg", "No such file")
+        self.assert_refused(["sweep", self.folder], self.folder, "directory")
+        self.assert_refused(["sweep", PROGRAM], PROGRAM, "not a text file")
+        text = self.write("words.cfg", "This is no job.\n")
+        self.assert_refused(["sweep", text], "words.cfg")
+
+    def test_places_that_cannot_be_written(self):
+        self.assert_refused(["sweep", self.job, "--output.file", "no/such/folder.h5"],
+                            "output.file = no/such/folder.h5", "no/such")
+        self.assert_refused(["sweep", self.job, "--output.file", self.folder],
+                            f"output.file = {self.folder}", "is a folder")
+        self.assert_refused(["sweep", self.job, "--output.file", "/proc/archive.h5"],
+                            "output.file = /proc/archive.h5", "cannot write in /proc")
+
+    def test_all_ranks_end_together_with_one_message(self):
+        done = self.run_program("sweep", self.job, "--scene.gravity", "-1", ranks=3, code=2)
+        self.assertEqual(done.stderr.count("scene.gravity = -1"), 1)
+        done = self.run_program("sweep", "missing.cfg", ranks=2, code=2)
+        self.assertEqual(done.stderr.count("No such file"), 1)
+
+
+class Sweep(CommandTest):
+    def test_summary_and_archive(self):
+        done = self.run_program("sweep", self.job, *COARSE)
+        self.assertIn("optimum   ", done.stdout)
+        self.assertIn("archive   job.h5", done.stdout)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["job.cfg", "job.h5"])
+
+    def test_maps_are_bitwise_the_same_on_any_number_of_ranks(self):
+        for ranks in (1, 2, 3, 5):
+            self.run_program("sweep", self.job, *COARSE, "--output.file", f"{ranks}.h5", ranks=ranks)
+        with h5py.File(self.path("1.h5")) as alone:
+            for ranks in (2, 3, 5):
+                with h5py.File(self.path(f"{ranks}.h5")) as other:
+                    for field in ("speed", "release_time", "status"):
+                        self.assertEqual(alone[field][...].tobytes(), other[field][...].tobytes())
+                    self.assertEqual(alone.attrs["best_speed"], other.attrs["best_speed"])
+
+    def test_archive_opens_in_xarray(self):
+        self.run_program("sweep", self.job, *COARSE, ranks=2)
+        for engine in ("netcdf4", "h5netcdf"):
+            with xr.open_dataset(self.path("job.h5"), engine=engine) as data:
+                self.assertEqual(data.speed.dims, ("r1", "r3", "r2"))
+                self.assertEqual([data[axis].units for axis in ("r1", "r3", "r2")], ["m"] * 3)
+                self.assertEqual(data.speed.units, "m s-1")
+                self.assertEqual(data.release_time.units, "s")
+                self.assertEqual(data.speed.ancillary_variables, "status")
+                self.assertEqual(data.status.dtype, np.uint8)
+                flags = dict(zip(data.status.flag_meanings.split(), data.status.flag_values))
+                released = data.status == flags["released"]
+                self.assertTrue((released == data.speed.notnull()).all())
+                self.assertTrue(((data.status == flags["outside_lattice"])
+                                 == (data.r2 > 1.5 - data.r3 - 1e-6)).all())
+                best = data.speed.sel(r1=data.best_r1, r3=data.best_r3, r2=data.best_r2)
+                self.assertEqual(float(best), data.best_speed)
+                self.assertEqual(float(data.speed.max()), data.best_speed)
+                self.assertTrue((data.tile_done == 1).all())
+
+    def test_archive_says_where_it_comes_from(self):
+        self.run_program("sweep", self.job, *COARSE, "--scene.gravity", "9.81")
+        with h5py.File(self.path("job.h5")) as file:
+            attributes = dict(file.attrs)
+        self.assertEqual(attributes["Conventions"], "CF-1.10")
+        self.assertEqual(attributes["format_version"], 1)
+        self.assertRegex(attributes["source"], r"^trebsweep \d")
+        self.assertIn("--scene.gravity 9.81", attributes["history"])
+        self.assertIn("gravity = 9.81\n", attributes["job"])
+        self.assertGreaterEqual(attributes["sweep_seconds"], attributes["integration_seconds"])
+
+    def test_the_stored_job_runs_again_to_the_same_maps(self):
+        self.run_program("sweep", self.job, *COARSE, "--scene.projectile-mass", "55")
+        with h5py.File(self.path("job.h5")) as file:
+            again = self.write("again.cfg", file.attrs["job"])
+            speed = file["speed"][...]
+        self.run_program("sweep", again, "--output.file", "again.h5")
+        with h5py.File(self.path("again.h5")) as file:
+            self.assertEqual(file["speed"][...].tobytes(), speed.tobytes())
+
+    def test_compression_and_float32_keep_the_values(self):
+        self.run_program("sweep", self.job, *COARSE)
+        self.run_program("sweep", self.job, *COARSE, "--output.compression", "5",
+                         "--output.storage", "float32", "--output.file", "small.h5", ranks=2)
+        with h5py.File(self.path("job.h5")) as plain, h5py.File(self.path("small.h5")) as small:
+            self.assertEqual(small["speed"].dtype, np.float32)
+            self.assertEqual(small["speed"].compression, "gzip")
+            self.assertTrue(small["speed"].shuffle)
+            np.testing.assert_array_equal(small["speed"][...],
+                                          plain["speed"][...].astype(np.float32))
+            np.testing.assert_array_equal(small["status"][...], plain["status"][...])
+
+    def test_progress_goes_to_stderr_as_asked(self):
+        done = self.run_program("sweep", self.job, *COARSE, "--progress", "bar")
+        self.assertIn("100 %", done.stderr)
+        self.assertNotIn("%", done.stdout)
+        done = self.run_program("sweep", self.job, *COARSE, "--progress", "none", "--overwrite")
+        self.assertEqual(done.stderr, "")
+
+
+class ExistingFiles(CommandTest):
+    def test_the_same_job_is_done_already(self):
+        self.run_program("sweep", self.job, *COARSE)
+        before = self.snapshot()
+        done = self.run_program("sweep", self.job, *COARSE, ranks=2)
+        self.assertIn("job.h5 holds the complete archive of this job", done.stderr)
+        self.assertEqual(self.snapshot(), before)
+
+    def test_another_jobs_archive_is_kept_unless_overwritten(self):
+        self.run_program("sweep", self.job, *COARSE)
+        self.assert_refused(["sweep", self.job, *COARSE, "--scene.gravity", "9.81"],
+                            "output.file = job.h5", "another job", "--overwrite")
+        self.run_program("sweep", self.job, *COARSE, "--scene.gravity", "9.81", "--overwrite")
+        with h5py.File(self.path("job.h5")) as file:
+            self.assertIn("gravity = 9.81", file.attrs["job"])
+
+    def test_a_file_that_is_no_archive_is_kept(self):
+        self.write("notes.txt", "precious\n")
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "notes.txt"],
+                            "output.file = notes.txt", "is there already")
+
+    def test_an_unfinished_sweep_is_kept(self):
+        self.write("job.h5.partial", "half of it\n")
+        self.assert_refused(["sweep", self.job, *COARSE], "job.h5.partial", "unfinished")
+        self.run_program("sweep", self.job, *COARSE, "--overwrite")
+        self.assertFalse(os.path.exists(self.path("job.h5.partial")))
+
+
+class Trace(CommandTest):
+    DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
+
+    def test_a_table_with_the_header_on_its_first_line(self):
+        done = self.run_program("trace", os.path.join(JOBS, "paper.cfg"), *self.DESIGN)
+        self.assertTrue(done.stdout.startswith("t phi1 phi2 "))
+        table = np.genfromtxt(done.stdout.splitlines(), names=True)
+        self.assertEqual(len(table), 93)
+        self.assertAlmostEqual(table["speed"][-1], 17.47606519, places=7)
+
+    def test_the_swing_of_a_sweep_is_the_traced_one(self):
+        self.run_program("sweep", self.job, *COARSE)
+        with h5py.File(self.path("job.h5")) as file:
+            best = {name: file.attrs[f"best_{name}"] for name in ("r1", "r2", "r3", "speed")}
+        options = [word for name in ("r1", "r2", "r3") for word in (f"--{name}", repr(float(best[name])))]
+        table = np.genfromtxt(self.run_program("trace", self.job, *options).stdout.splitlines(),
+                              names=True)
+        self.assertAlmostEqual(table["speed"][-1], best["speed"], places=7)
+
+    def test_a_swing_without_release_says_so(self):
+        done = self.run_program("trace", self.job, *self.DESIGN, "--solver.max-time", "0.3")
+        self.assertIn("not_released", done.stderr)
+
+    def test_designs_that_are_none(self):
+        self.assert_refused(["trace", self.job, "--r1", "1", "--r2", "1"], "--r3: missing")
+        self.assert_refused(["trace", self.job, "--r1", "x", "--r2", "1", "--r3", "1"], "r1 = x")
+        self.assert_refused(["trace", self.job, "--r1", "0.3", "--r2", "1", "--r3", "1"],
+                            "r1 = 0.3", "0.5")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,141 @@
+#include "trebsweep/job.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include "catch.hpp"
+#include "trebsweep/error.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+Job parse(const std::string& text, const Overrides& overrides = {}) {
+  return parse_job(text, "some/where/my.cfg", overrides);
+}
+
+}  // namespace
+
+TEST_CASE("An empty job is the paper's") {
+  const Job job = parse("");
+  CHECK(job.scene.gravity == 9.8);
+  CHECK(job.scene.counterweight_mass == 5000);
+  CHECK(job.lattice.increment == 0.01);
+  CHECK(job.solver.stepper == "euler");
+  CHECK(job.solver.release == Release::window);
+  CHECK(job.output.fields == std::vector{Field::speed, Field::release_time, Field::status});
+  CHECK(job.output.file == "my.h5");
+  CHECK(to_text(job) == to_text(parse(read_job_file(SOURCE_DIR "/jobs/paper.cfg"))));
+}
+
+TEST_CASE("The command line wins over the file, and the file over the defaults") {
+  const Job job = parse("[scene]\ngravity = 1.6 # on the Moon\nprojectile-mass = 50\n",
+                        {{"scene.gravity", "3.7"}, {"output.file", "mars.h5"}});
+  CHECK(job.scene.gravity == 3.7);
+  CHECK(job.scene.projectile_mass == 50);
+  CHECK(job.scene.release_height == 2);
+  CHECK(job.output.file == "mars.h5");
+}
+
+TEST_CASE("A job's text is read back as the same job") {
+  const std::string text = R"([scene]
+gravity = 9.81
+beam-inertia = prism
+[lattice]
+r1 = 0.51:0.9:0.003
+r3 = 0.58
+[solver]
+stepper = fehlberg78
+tolerance = 1.25e-11
+release = crossing
+max-steps = 12345
+[output]
+fields = status,speed
+storage = float32
+compression = 4
+)";
+  const Job job = parse(text);
+  CHECK(to_text(parse(to_text(job))) == to_text(job));
+  CHECK(job.scene.beam_inertia == BeamInertia::prism);
+  CHECK(job.lattice.r1->step == 0.003);
+  CHECK(job.lattice.r3->first == 0.58);
+  CHECK(job.lattice.r3->last == 0.58);
+  CHECK_FALSE(job.lattice.r2);
+  CHECK(job.output.fields == std::vector{Field::status, Field::speed});
+  CHECK(job.output.storage == Storage::float32);
+}
+
+TEST_CASE("Every key is refused by its name and value when the value is nonsense") {
+  for (const Key& key : job_keys()) {
+    if (key.name == "output.file") continue;
+    INFO(key.name);
+    CHECK_THROWS_WITH(parse("", {{key.name, "nonsense"}}),
+                      contains(key.name + " = nonsense: must be "));
+    CHECK_THROWS_AS(parse("", {{key.name, ""}}), InputError);
+  }
+}
+
+TEST_CASE("Masses, heights and gravity must be finite and above zero") {
+  for (const std::string key :
+       {"gravity", "counterweight-mass", "projectile-mass", "release-height", "fulcrum-height"})
+    for (const std::string value :
+         {"0", "-1", "nan", "inf", "-inf", "1e999", "1 kg", "0x10", "1,5"}) {
+      INFO(key << " = " << value);
+      CHECK_THROWS_WITH(
+          parse("[scene]\n" + key + " = " + value),
+          contains("scene." + key + " = " + value + ": must be a finite number above 0"));
+    }
+}
+
+TEST_CASE("Values out of range are refused") {
+  const std::vector<std::pair<std::string, std::string>> bad{
+      {"scene.beam-density", "-1"},    {"scene.sling-angle", "4"},
+      {"lattice.increment", "0"},      {"lattice.increment", "-0.01"},
+      {"lattice.r1", "1:0.5:0.1"},     {"lattice.r1", "0.5:1:0"},
+      {"lattice.r1", "0.5:1:-0.1"},    {"lattice.r1", "0.5:1"},
+      {"lattice.r1", "0.5:x:0.1"},     {"lattice.r1", "0:1:0.1"},
+      {"lattice.r1", "nan"},           {"solver.stepper", "Euler"},
+      {"solver.tolerance", "0"},       {"solver.tolerance", "1e-16"},
+      {"solver.tolerance", "1"},       {"solver.max-steps", "0"},
+      {"solver.max-steps", "1e6"},     {"solver.max-steps", "-5"},
+      {"output.compression", "10"},    {"output.compression", "-1"},
+      {"output.compression", "1.5"},   {"output.storage", "float16"},
+      {"output.fields", "speed,sped"}, {"output.fields", "speed,speed"},
+  };
+  for (const auto& [key, value] : bad)
+    CHECK_THROWS_WITH(parse("", {{key, value}}), contains(key + " = " + value + ": must be "));
+}
+
+TEST_CASE("Unknown keys are refused with the known ones") {
+  CHECK_THROWS_WITH(parse("[scene]\ncolour = red\n"),
+                    contains("scene.colour") && contains("counterweight-mass"));
+  CHECK_THROWS_WITH(parse("[sceen]\ngravity = 1\n"),
+                    contains("sceen.gravity") && contains("scene, lattice, solver, output"));
+  CHECK_THROWS_AS(parse("gravity = 1\n"), InputError);
+}
+
+TEST_CASE("Text that is no job is refused with the file's name") {
+  CHECK_THROWS_WITH(parse("what is this?\n"), contains("my.cfg"));
+  CHECK_THROWS_AS(parse("[scene]\ngravity = 1\ngravity = 2\n"), InputError);
+}
+
+TEST_CASE("Missing, unreadable and binary files are refused by name") {
+  namespace fs = std::filesystem;
+  CHECK_THROWS_WITH(read_job_file("/nowhere/job.cfg"), contains("/nowhere/job.cfg"));
+  CHECK_THROWS_WITH(read_job_file("/"), contains("is a directory"));
+  const fs::path file = fs::temp_directory_path() / "trebsweep_job_test.cfg";
+  std::ofstream(file) << std::string("[scene]\n\0\1\2", 11);
+  CHECK_THROWS_WITH(read_job_file(file), contains("not a text file"));
+  std::ofstream(file) << std::string(2 << 20, '#');
+  CHECK_THROWS_WITH(read_job_file(file), contains("longer than 1 MiB"));
+  fs::remove(file);
+}
+
+TEST_CASE("The job files that come with the program are valid") {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(SOURCE_DIR "/jobs")) {
+    if (entry.path().extension() != ".cfg") continue;
+    INFO(entry.path());
+    const Job job = parse_job(read_job_file(entry.path()), entry.path(), {});
+    CHECK(Lattice(job.scene, job.lattice).designs() > 0);
+  }
+}

@@ -1,0 +1,165 @@
+#include "trebsweep/sweep.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include "archive_reader.hpp"
+#include "catch.hpp"
+#include "trebsweep/error.hpp"
+#include "trebsweep/mpi.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+Job coarse_job(const TemporaryFile& file) {
+  Job job;
+  job.lattice.increment = 0.1;
+  job.solver.stepper = "dopri5";
+  job.solver.release = Release::crossing;
+  job.output.file = file.path();
+  return job;
+}
+
+SweepOptions quiet(const Index3& tile_edge = {16, 16, 16}) {
+  SweepOptions options;
+  options.progress = ProgressStyle::none;
+  options.tile_edge = tile_edge;
+  options.overwrite = true;
+  return options;
+}
+
+bool root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+}  // namespace
+
+TEST_CASE("Every cell of a sweep is, to the bit, its design integrated alone") {
+  const TemporaryFile file("sweep");
+  const Job job = coarse_job(file);
+  for (const Index3& edge : {Index3{16, 16, 16}, Index3{1, 1, 1}, Index3{2, 5, 3}}) {
+    const auto summary = sweep(job, quiet(edge), MPI_COMM_WORLD);
+    REQUIRE(summary);
+    if (root()) {
+      const Lattice lattice(job.scene, job.lattice);
+      const auto speed = read_map(file.path(), "speed"),
+                 time = read_map(file.path(), "release_time");
+      const auto status = read_map(file.path(), "status");
+      const Index3 n = lattice.extent();
+      double best = 0;
+      std::size_t cell = 0;
+      for (std::size_t a = 0; a < n[0]; ++a)
+        for (std::size_t b = 0; b < n[1]; ++b)
+          for (std::size_t c = 0; c < n[2]; ++c, ++cell) {
+            if (!lattice.holds({a, b, c})) {
+              REQUIRE(std::isnan(speed[cell]));
+              REQUIRE(status[cell] == 0);
+              continue;
+            }
+            const Motion<double> motion(job.scene, lattice.design({a, b, c}));
+            const auto alone = swing<Steppers<double>::Dopri5>(motion, job.solver, Unobserved{});
+            REQUIRE(same_bits(speed[cell], motion.speed(alone.end.x)));
+            REQUIRE(same_bits(time[cell], alone.end.t));
+            REQUIRE(status[cell] == static_cast<double>(alone.status));
+            best = std::max(best, speed[cell]);
+          }
+      CHECK(summary->optimum->speed == best);
+      CHECK(summary->designs() == lattice.designs());
+    }
+  }
+}
+
+TEST_CASE("Speeds of the accurate job are within 1e-6 m/s of a tight tolerance's") {
+  Job job = parse_job(read_job_file(SOURCE_DIR "/jobs/accurate.cfg"), "accurate.cfg", {});
+  job.lattice.increment = 0.05;
+  const TemporaryFile file("accurate");
+  job.output.file = file.path();
+  sweep(job, quiet(), MPI_COMM_WORLD);
+  const std::vector<double> speed = root() ? read_map(file.path(), "speed") : std::vector<double>{};
+  job.solver.stepper = "fehlberg78";
+  job.solver.tolerance = 1e-12;
+  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
+  CHECK(summary->designs() == summary->statuses[static_cast<std::size_t>(Status::released)]);
+  if (root()) {
+    const auto truth = read_map(file.path(), "speed");
+    double largest = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i)
+      if (!std::isnan(truth[i])) largest = std::max(largest, std::abs(speed[i] - truth[i]));
+    CHECK(largest < 1e-6);
+    CHECK(largest > 0);
+  }
+}
+
+TEST_CASE("A sweep of one design works on any number of ranks") {
+  const TemporaryFile file("single");
+  Job job = coarse_job(file);
+  job.lattice.r1 = AxisRange{0.75, 0.75, 1};
+  job.lattice.r3 = AxisRange{3, 3, 1};
+  job.lattice.r2 = AxisRange{4, 4, 1};
+  job.scene.gravity = 9.81;
+  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
+  REQUIRE(summary);
+  CHECK(summary->designs() == 1);
+  CHECK(summary->optimum->speed == Approx(23.7371408230).margin(1e-6));
+  CHECK(summary->optimum->design.r2 == 4);
+}
+
+TEST_CASE("Designs without a shot have a status and no speed") {
+  const TemporaryFile file("statuses");
+  Job job = coarse_job(file);
+  job.lattice.r1 = AxisRange{0.4, 0.6, 0.1};
+  job.solver.max_time = 0.7;
+  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
+  REQUIRE(summary);
+  const auto count = [&](Status s) { return summary->statuses[static_cast<std::size_t>(s)]; };
+  CHECK(count(Status::unreachable_start) == summary->designs() / 3);
+  CHECK(count(Status::not_released) > summary->designs() / 3);
+  CHECK(count(Status::released) > 0);
+  if (root()) {
+    const auto speed = read_map(file.path(), "speed"), time = read_map(file.path(), "release_time");
+    const auto status = read_map(file.path(), "status");
+    for (std::size_t i = 0; i < status.size(); ++i) {
+      const bool released = status[i] == static_cast<double>(Status::released);
+      REQUIRE(std::isnan(speed[i]) == !released);
+      REQUIRE(std::isnan(time[i]) == !released);
+    }
+  }
+}
+
+TEST_CASE("Where nothing is released there is no optimum") {
+  const TemporaryFile file("nothing");
+  Job job = coarse_job(file);
+  job.solver.max_time = 0.01;
+  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
+  REQUIRE(summary);
+  CHECK_FALSE(summary->optimum);
+  CHECK_THAT(to_text(*summary, job, 1), contains("optimum   none"));
+}
+
+TEST_CASE("Only the maps asked for are stored") {
+  const TemporaryFile file("fields");
+  Job job = coarse_job(file);
+  job.output.fields = {Field::speed};
+  sweep(job, quiet(), MPI_COMM_WORLD);
+  if (root()) {
+    CHECK_NOTHROW(read_map(file.path(), "speed"));
+    CHECK_THROWS(read_map(file.path(), "release_time"));
+    CHECK_THROWS(read_map(file.path(), "status"));
+  }
+}
+
+TEST_CASE("An archive is kept: the same job is done already, another one is refused") {
+  const TemporaryFile file("kept");
+  Job job = coarse_job(file);
+  SweepOptions options = quiet();
+  sweep(job, options, MPI_COMM_WORLD);
+  const auto before = std::filesystem::last_write_time(file.path());
+  options.overwrite = false;
+  CHECK_FALSE(sweep(job, options, MPI_COMM_WORLD));
+  job.scene.gravity = 9.81;
+  CHECK_THROWS_WITH(sweep(job, options, MPI_COMM_WORLD), contains("archive of another job"));
+  CHECK(std::filesystem::last_write_time(file.path()) == before);
+  options.overwrite = true;
+  CHECK(sweep(job, options, MPI_COMM_WORLD));
+}

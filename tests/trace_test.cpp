@@ -1,0 +1,102 @@
+#include "trebsweep/trace.hpp"
+
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "trebsweep/error.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+constexpr Design<double> optimum{0.51, 0.58, 0.91};
+
+struct Table {
+  std::string header;
+  std::vector<std::map<std::string, double>> rows;
+  Status status;
+};
+
+/// A trace, read back from what it printed.
+Table read_trace(const Job& job, std::optional<double> interval = {}) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
+  Table table;
+  table.status = trace(job, optimum, interval, file.get());
+  std::string text(static_cast<std::size_t>(std::ftell(file.get())), '\0');
+  std::rewind(file.get());
+  REQUIRE(std::fread(text.data(), 1, text.size(), file.get()) == text.size());
+
+  std::istringstream lines(text);
+  std::getline(lines, table.header);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream names(table.header), values(line);
+    std::map<std::string, double> row;
+    std::string name;
+    for (double value; names >> name && values >> value;) row[name] = value;
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+Job accurate() {
+  Job job;
+  job.solver.stepper = "dopri5";
+  job.solver.release = Release::crossing;
+  return job;
+}
+
+}  // namespace
+
+TEST_CASE("A trace begins with its header: t phi1 phi2 ...") {
+  CHECK(read_trace(Job{}).header.rfind("t phi1 phi2 ", 0) == 0);
+}
+
+TEST_CASE("Euler's trace has a row per step, from the start to the paper's release") {
+  const Table table = read_trace(Job{});
+  REQUIRE(table.rows.size() == 93);
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    CHECK(table.rows[i].at("t") == Approx(0.01 * static_cast<double>(i)));
+  CHECK(table.rows.back().at("speed") == Approx(17.47606519).margin(5e-9));
+}
+
+TEST_CASE("An adaptive trace has rows at equal times and ends at the release") {
+  const Table table = read_trace(accurate(), 0.1);
+  REQUIRE(table.rows.size() == 11);
+  CHECK(table.rows.at(3).at("t") == Approx(0.3));
+  CHECK(table.rows.back().at("t") == Approx(0.9070885913).margin(1e-9));
+  CHECK(read_trace(accurate()).rows.size() == 92);  // every 0.01 s by itself
+}
+
+TEST_CASE("Rows between the steps are as accurate as the steps") {
+  Job fine = accurate();
+  fine.solver.tolerance = 1e-13;
+  const Table rows = read_trace(accurate(), 0.003), truth = read_trace(fine, 0.003);
+  REQUIRE(rows.rows.size() == truth.rows.size());
+  for (std::size_t i = 0; i < rows.rows.size(); ++i)
+    for (const auto& [name, value] : truth.rows[i])
+      CHECK(rows.rows[i].at(name) == Approx(value).epsilon(2e-8).margin(2e-8));
+}
+
+TEST_CASE("The sling's tension grows from 1.04 kN at rest to 23.0 kN at release") {
+  const Table table = read_trace(accurate());
+  CHECK(table.rows.front().at("tension") == Approx(1040).margin(5));
+  CHECK(table.rows.back().at("tension") == Approx(23000).margin(50));
+  for (const auto& row : table.rows) CHECK(row.at("tension") > 0);
+}
+
+TEST_CASE("A swing without a release is traced to its time limit") {
+  Job job = accurate();
+  job.solver.max_time = 0.255;
+  const Table table = read_trace(job);
+  CHECK(table.status == Status::not_released);
+  CHECK(table.rows.back().at("t") == 0.255);
+}
+
+TEST_CASE("A design that cannot start is refused") {
+  CHECK_THROWS_WITH(trace(Job{}, {0.4, 1, 1}, {}, stderr), contains("r1 = 0.4: must be at least"));
+}
