@@ -29,6 +29,7 @@ program=build/release/trebsweep
 python=$([[ -x /usr/bin/python3 ]] && echo /usr/bin/python3 || echo python3)
 # Open MPI refuses root, and more ranks than cores, unless told; other MPIs ignore these.
 export OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
+export HWLOC_HIDE_ERRORS=2 # its complaints where /sys is not mounted
 [[ $(id -u) -ne 0 ]] || export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 
 mkdir -p results

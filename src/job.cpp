@@ -277,7 +277,8 @@ std::string read_job_file(const std::string& path) {
     throw InputError(
         fmt::format("job file {}: {}; give the path of a readable text file", path, why));
   };
-  if (std::filesystem::is_directory(path)) refuse_file("is a directory");
+  std::error_code unknown;  // then opening it tells why
+  if (std::filesystem::is_directory(path, unknown)) refuse_file("is a directory");
   std::ifstream file(path, std::ios::binary);
   if (!file) refuse_file(std::strerror(errno));
   constexpr std::size_t longest = 1 << 20;

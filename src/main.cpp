@@ -2,6 +2,8 @@
 #include <fmt/ranges.h>
 
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <span>
 
 #include "trebsweep/command_line.hpp"
@@ -50,10 +52,24 @@ void run(int argc, char** argv) {
     run_trace(line, job);
 }
 
+/// Ends all ranks after a failure of one.
+[[noreturn]] void end_all_ranks() {
+  try {
+    std::rethrow_exception(std::current_exception());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "trebsweep: rank {}: {}\n", mpi::rank(MPI_COMM_WORLD), error.what());
+  }
+  MPI_Abort(MPI_COMM_WORLD, 1);
+  std::abort();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const mpi::Environment environment(argc, argv);
+  // Failures other than the user's are not caught: unwinding would close the archive, which waits
+  // for all ranks, while the others are elsewhere.
+  std::set_terminate(end_all_ranks);
   const int rank = mpi::rank(MPI_COMM_WORLD);
   try {
     run(argc, argv);
@@ -62,9 +78,5 @@ int main(int argc, char** argv) {
     // Every rank comes here with the same message; one tells it.
     if (rank == 0) fmt::print(stderr, "trebsweep: {}\n", error.what());
     return 2;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "trebsweep: rank {}: {}\n", rank, error.what());
-    MPI_Abort(MPI_COMM_WORLD, 1);
-    return 1;
   }
 }

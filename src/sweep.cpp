@@ -127,16 +127,17 @@ bool prepare_output(const Job& job, bool overwrite) {
   const auto refuse_file = [&](const std::string& why) {
     throw InputError(fmt::format("output.file = {}: {}", path.string(), why));
   };
-  if (!fs::is_directory(folder))
+  std::error_code unknown;  // what cannot be asked about cannot be written either: open() tells why
+  if (!fs::is_directory(folder, unknown))
     refuse_file(fmt::format("{} is no folder; make it, or name another", folder.string()));
-  if (fs::is_directory(path)) refuse_file("is a folder; name a file");
-  if (fs::exists(path) && !overwrite) {
+  if (fs::is_directory(path, unknown)) refuse_file("is a folder; name a file");
+  if (fs::exists(path, unknown) && !overwrite) {
     const auto archived = archived_job(path);
     if (archived && same_job(job, *archived)) return true;
     refuse_file(fmt::format("{}; name another file, or replace it with --overwrite",
                             archived ? "holds the archive of another job" : "is there already"));
   }
-  if (fs::exists(partial) && !overwrite)
+  if (fs::exists(partial, unknown) && !overwrite)
     refuse_file(
         fmt::format("{} holds an unfinished sweep; name another file, or start anew with "
                     "--overwrite",

@@ -122,8 +122,9 @@ class BadInput(CommandTest):
                             "output.file = no/such/folder.h5", "no/such")
         self.assert_refused(["sweep", self.job, "--output.file", self.folder],
                             f"output.file = {self.folder}", "is a folder")
-        self.assert_refused(["sweep", self.job, "--output.file", "/proc/archive.h5"],
-                            "output.file = /proc/archive.h5", "cannot write in /proc")
+        # Root may write in any folder: a name too long for every file system stands for one that is closed.
+        self.assert_refused(["sweep", self.job, "--output.file", "x" * 300],
+                            "output.file = xxx", "cannot write in .", "too long")
 
     def test_all_ranks_end_together_with_one_message(self):
         done = self.run_program("sweep", self.job, "--scene.gravity", "-1", ranks=3, code=2)
