@@ -56,10 +56,11 @@ def report(a, b, field):
     unit = unit_text(a.map(field).attrs.get("units", ""))
     print(f"|A - B|   median {np.median(size):.6g}, 95 % below {np.percentile(size, 95):.6g}, "
           f"largest {size.max():.6g} {unit}")
-    print(f"relative  median {np.median(relative):+.3%} (of its size {np.median(np.abs(relative)):.3%}), "
-          f"largest {np.abs(relative).max():.3%}")
+    print(f"relative  median {100 * np.median(relative):+.4g} % "
+          f"(of its size {100 * np.median(np.abs(relative)):.4g} %), "
+          f"largest {100 * np.abs(relative).max():.4g} %")
     worst = np.unravel_index(np.argmax(np.abs(difference)), difference.shape)
-    print(f"largest   at {place(a, worst)}: {x[worst]:.8g} against {y[worst]:.8g} {unit}")
+    print(f"largest   at {place(a, worst)}: {x[worst]:.12g} against {y[worst]:.12g} {unit}")
 
 
 def draw(a, b, field, centre):

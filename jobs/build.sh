@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that are missing and builds build/release/trebsweep.
-# With --tests: the packages of the tests too, and the tests.
+# With --tests: the packages of the tests too, and the tests, with warnings as errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 packages=(cmake g++ libboost-dev libboost-program-options-dev libfmt-dev libhdf5-openmpi-dev
           libopenmpi-dev ninja-build openmpi-bin python3-h5py python3-matplotlib python3-numpy)
-tests=OFF
+options=()
 if [[ ${1:-} == --tests ]]; then
-  tests=ON
+  options=(-DTREBSWEEP_TESTS=ON -DTREBSWEEP_WERROR=ON)
   packages+=(catch2 python3-h5netcdf python3-netcdf4 python3-xarray)
 fi
 
@@ -39,5 +39,5 @@ if command -v dpkg-query >/dev/null; then
 else
   echo "This is no Debian: hoping that the equivalents of these are here: ${packages[*]}" >&2
 fi
-cmake --preset release -DTREBSWEEP_TESTS=$tests
+cmake --preset release "${options[@]}"
 cmake --build --preset release

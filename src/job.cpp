@@ -286,11 +286,11 @@ std::string read_job_file(const std::string& path) {
   file.read(content.data(), static_cast<std::streamsize>(content.size()));
   if (file.bad()) refuse_file(std::strerror(errno));
   content.resize(static_cast<std::size_t>(file.gcount()));
-  if (content.size() > longest) refuse_file("is longer than 1 MiB");
   const bool binary = std::any_of(content.begin(), content.end(), [](unsigned char c) {
     return c < ' ' && c != '\n' && c != '\r' && c != '\t';
   });
   if (binary) refuse_file("is not a text file");
+  if (content.size() > longest) refuse_file("is longer than 1 MiB");
   return content;
 }
 

@@ -113,7 +113,9 @@ class BadInput(CommandTest):
     def test_job_files_that_are_none(self):
         self.assert_refused(["sweep", "missing.cfg"], "missing.cfg", "No such file")
         self.assert_refused(["sweep", self.folder], self.folder, "directory")
-        self.assert_refused(["sweep", PROGRAM], PROGRAM, "not a text file")
+        with open(self.path("binary.cfg"), "wb") as file:
+            file.write(bytes(range(256)))
+        self.assert_refused(["sweep", "binary.cfg"], "binary.cfg", "not a text file")
         text = self.write("words.cfg", "This is no job.\n")
         self.assert_refused(["sweep", text], "words.cfg")
 

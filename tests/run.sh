@@ -4,4 +4,4 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 jobs/build.sh --tests
-ctest --preset release "$@"
+ctest --preset release -j "$(nproc)" "$@"

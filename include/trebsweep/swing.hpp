@@ -139,6 +139,7 @@ Outcome<T> swing(const Motion<T>& motion, const Solver& solver, Observe&& observ
     if (trial == Trial::non_finite) return {Status::non_finite, now, steps};
     if (solver.release == Release::crossing) {
       if (const auto release = release_between(stepper, motion, now, next)) {
+        if (!is_finite(*release)) return {Status::non_finite, now, steps};
         observe(now, *release, at);
         return {Status::released, *release, steps};
       }
