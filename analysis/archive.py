@@ -30,7 +30,8 @@ class Archive:
     @property
     def fields(self):
         """Names of the maps."""
-        return [name for name, item in self.file.items() if item.ndim == 3]
+        return [name for name, item in self.file.items()
+                if isinstance(item, h5py.Dataset) and item.ndim == 3]
 
     def map(self, field):
         """The dataset of a map (r1, r3, r2); ends the program if there is none of that name."""
@@ -60,8 +61,19 @@ class Archive:
         return None if any(x is None or np.isnan(x) for x in best.values()) else best
 
     def index(self, axis, value):
-        """The place of the axis's value nearest to `value`."""
+        """The place of the axis's value nearest to `value`; ends the program outside the axis."""
+        limits = edges(self.axes[axis])
+        if not limits[0] <= value <= limits[-1]:
+            sys.exit(f"{axis} = {value:g}: must be from {self.axes[axis][0]:g} to "
+                     f"{self.axes[axis][-1]:g} m, as in {self.path}")
         return int(np.argmin(np.abs(self.axes[axis] - value)))
+
+    def best(self):
+        """The optimum as text."""
+        optimum = self.optimum()
+        if optimum is None:
+            return "nothing released"
+        return f"{self.attribute('best_speed'):.8f} m/s at {design_text(optimum)}"
 
     def label(self, name):
         """A label for an axis or a map: what it is, its name and its unit."""
@@ -71,6 +83,11 @@ class Archive:
         if name in AXES:
             text = f"{text} {name}"
         return f"{text} ({unit_text(unit)})" if unit else text
+
+
+def design_text(design):
+    """A design, {axis: value in m}, as people write it."""
+    return ", ".join(f"{name} = {design[name]:g}" for name in ("r1", "r2", "r3")) + " m"
 
 
 def unit_text(unit):

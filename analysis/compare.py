@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 
-from archive import AXES, Archive, edges, plt, save, unit_text
+from archive import AXES, Archive, design_text, edges, plt, save, unit_text
 from heatmap import PLANES, plane
 
 
@@ -25,28 +25,13 @@ def check_lattices(a, b):
                      f"{y[0]:g} to {y[-1]:g} m")
 
 
-def place(archive, cell):
-    """A cell's design as text."""
-    values = {name: archive.axes[name][i] for name, i in zip(AXES, cell)}
-    return ", ".join(f"{name} = {values[name]:g}" for name in ("r1", "r2", "r3")) + " m"
-
-
-def best(archive):
-    """An archive's optimum as text."""
-    optimum = archive.optimum()
-    if optimum is None:
-        return "nothing released"
-    where = ", ".join(f"{name} = {optimum[name]:g}" for name in ("r1", "r2", "r3"))
-    return f"{archive.attribute('best_speed'):.8f} m/s at {where} m"
-
-
 def report(a, b, field):
     """Prints the difference of the archives in numbers."""
     x, y = a.map(field)[...], b.map(field)[...]
     both = np.isfinite(x) & np.isfinite(y)
     only = int((np.isfinite(x) != np.isfinite(y)).sum())
-    print(f"A         {a.path}: {best(a)}")
-    print(f"B         {b.path}: {best(b)}")
+    print(f"A         {a.path}: {a.best()}")
+    print(f"B         {b.path}: {b.best()}")
     print(f"designs   {int(both.sum())} with a {field} in both, {only} in one of them only")
     if not both.any():
         return
@@ -60,7 +45,8 @@ def report(a, b, field):
           f"(of its size {100 * np.median(np.abs(relative)):.4g} %), "
           f"largest {100 * np.abs(relative).max():.4g} %")
     worst = np.unravel_index(np.argmax(np.abs(difference)), difference.shape)
-    print(f"largest   at {place(a, worst)}: {x[worst]:.12g} against {y[worst]:.12g} {unit}")
+    design = {name: a.axes[name][i] for name, i in zip(AXES, worst)}
+    print(f"largest   at {design_text(design)}: {x[worst]:.12g} against {y[worst]:.12g} {unit}")
 
 
 def draw(a, b, field, centre):

@@ -74,11 +74,7 @@ def title(archive, field):
         setting = "time-step" if stepper in FIXED_STEPPERS else "tolerance"
         text += f" ({stepper}, {setting.replace('-', ' ')} {job['solver', setting]}"
         text += " s)" if setting == "time-step" else ")"
-    best = archive.optimum()
-    if best:
-        text += (f"\nfastest {archive.attribute('best_speed'):.5g} m/s at "
-                 + ", ".join(f"{axis} = {best[axis]:g}" for axis in ("r1", "r2", "r3")) + " m")
-    return text
+    return f"{text}\nfastest: {archive.best()}"
 
 
 def draw(archive, field, centre):
@@ -106,7 +102,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("archive", help="archive of a sweep")
-    parser.add_argument("--field", default="speed", help="the map to draw (default: speed)")
+    parser.add_argument("--field", help="the map to draw (default: speed, or else the first)")
     for axis in AXES:
         parser.add_argument(f"--{axis}", type=float, metavar="M",
                             help=f"draw the plane at this {axis} (default: the optimum's)")
@@ -119,8 +115,9 @@ def main():
     centre = archive.optimum() or middle
     centre.update({name: getattr(arguments, name) for name in AXES
                    if getattr(arguments, name) is not None})
-    output = arguments.output or f"{os.path.splitext(arguments.archive)[0]}-{arguments.field}.png"
-    save(draw(archive, arguments.field, centre), output)
+    field = arguments.field or ("speed" if "speed" in archive.fields else archive.fields[0])
+    output = arguments.output or f"{os.path.splitext(arguments.archive)[0]}-{field}.png"
+    save(draw(archive, field, centre), output)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the fastest design of an archive as options for `trebsweep trace`."""
+"""Prints the fastest design of an archive as options for `trebsweep trace`; nothing if there is none."""
 
 import argparse
 import sys
@@ -15,11 +15,16 @@ def main():
 
     archive = Archive(arguments.archive)
     if arguments.job:
-        with open(arguments.job, "w", encoding="utf-8") as file:
-            file.write(archive.attribute("job"))
+        try:
+            with open(arguments.job, "w", encoding="utf-8") as file:
+                file.write(archive.attribute("job"))
+        except OSError as error:
+            sys.exit(f"{arguments.job}: cannot be written: {error.strerror}")
     optimum = archive.optimum()
     if optimum is None:
-        sys.exit(f"{arguments.archive}: has no optimum: nothing was released")
+        print(f"{arguments.archive}: has no optimum: nothing was released, or the sweep is unfinished",
+              file=sys.stderr)
+        return
     print(" ".join(f"--{name} {float(value)!r}" for name, value in optimum.items()))
 
 

@@ -22,6 +22,8 @@ def read_table(path):
         table = np.atleast_1d(np.genfromtxt(path, names=True))
     except (OSError, ValueError) as error:
         sys.exit(f"{path}: cannot be read as a table: {error}")
+    if table.size == 0:
+        sys.exit(f"{path}: has no rows")
     missing = [name for name in COLUMNS if name not in (table.dtype.names or ())]
     if missing:
         sys.exit(f"{path}: has no column {missing[0]}; is it a table of 'trebsweep trace'?")
@@ -75,6 +77,8 @@ def main():
                         help="default: the table's name with .png")
     arguments = parser.parse_args()
 
+    if arguments.count < 2:
+        sys.exit(f"count = {arguments.count}: must be at least 2")
     table = read_table(arguments.table)
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5.5), constrained_layout=True)
     draw_angles(left, table)

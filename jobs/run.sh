@@ -20,6 +20,10 @@ while [[ $# -gt 0 ]]; do
   esac
 done
 [[ $ranks =~ ^[1-9][0-9]*$ ]] || { echo "jobs/run.sh: -n $ranks: must be a whole number above 0" >&2; exit 2; }
+for option in "$@"; do
+  [[ $option != --output.file* ]] ||
+    { echo "jobs/run.sh: --output.file: the archive goes into results/; use trebsweep sweep for another place" >&2; exit 2; }
+done
 repository=$(cd "$(dirname "$0")/.." && pwd)
 job=$(realpath -m -- "${job:-$repository/jobs/paper.cfg}")
 cd "$repository"
@@ -39,8 +43,9 @@ mpirun -n "$ranks" $program sweep "$job" --output.file "$archive" "$@"
 
 $python analysis/heatmap.py "$archive" -o "results/$name.png"
 # The swing of the optimum, from the job as it was run.
-if design=$($python analysis/optimum.py "$archive" --job "results/$name.cfg"); then
+design=$($python analysis/optimum.py "$archive" --job "results/$name-as-run.cfg")
+if [[ -n $design ]]; then
   # shellcheck disable=SC2086  # three options with their values
-  $program trace "results/$name.cfg" $design >"results/$name-optimum.txt"
+  $program trace "results/$name-as-run.cfg" $design >"results/$name-optimum.txt"
   $python analysis/trajectory.py "results/$name-optimum.txt" -o "results/$name-optimum.png"
 fi

@@ -5,6 +5,7 @@
 #include <hdf5_hl.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <stdexcept>
 
@@ -17,8 +18,7 @@ using hdf5::check;
 
 hdf5::File create_file(const std::filesystem::path& path, MPI_Comm comm) {
   const std::string what = "create " + path.string();
-  check(H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr),
-        what);  // failures are reported once, by fail()
+  hdf5::silence();
   const hdf5::Properties access(H5Pcreate(H5P_FILE_ACCESS), what);
   check(H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL), what);
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), what};
@@ -221,7 +221,7 @@ void Archive::finish() {
 }
 
 std::optional<std::string> archived_job(const std::filesystem::path& path) {
-  check(H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr), "silence HDF5's own messages");
+  hdf5::silence();
   if (H5Fis_hdf5(path.c_str()) <= 0) return std::nullopt;
   try {
     const hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),

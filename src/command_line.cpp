@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/program_options.hpp>
 #include <sstream>
 
@@ -63,7 +64,7 @@ Prints the swing of one design, from rest to its release, as a table with the co
 po::options_description command_options(Command command) {
   po::options_description options("Options");
   auto add = options.add_options();
-  add("help", "this text");
+  add("help,h", "this text");
   if (command == Command::sweep) {
     add("overwrite", "replace the archive, or the unfinished one, that is there");
     add("progress", po::value<std::string>()->value_name("STYLE"),

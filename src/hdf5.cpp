@@ -29,6 +29,10 @@ void write(hid_t object, const std::string& name, hid_t type, const void* value)
 
 }  // namespace
 
+void silence() {
+  check(H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr), "silence HDF5's own messages");
+}
+
 void fail(const std::string& what) {
   std::string reason;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, remember_cause, &reason);
@@ -51,6 +55,8 @@ void write_attribute(hid_t object, const std::string& name, unsigned long long v
 std::string read_text_attribute(hid_t object, const std::string& name) {
   const std::string what = "read attribute " + name;
   const Attribute attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), what);
+  const Dataspace space(H5Aget_space(attribute), what);
+  if (H5Sget_simple_extent_npoints(space) != 1) fail(what + " as a single text");
   char* text = nullptr;
   check(H5Aread(attribute, text_type(), &text), what);
   const std::string value(text ? text : "");

@@ -80,7 +80,7 @@ AxisRange to_axis(const std::string& key, const std::string& value) {
   std::vector<double> numbers;
   for (const std::string& part : parts) {
     double x = 0;
-    if (!parses(boost::trim_copy(part), x) || !positive.contains(x)) refuse(key, value, allowed);
+    if (!parses(part, x) || !positive.contains(x)) refuse(key, value, allowed);
     numbers.push_back(x);
   }
   if (numbers.size() == 1) return {numbers[0], numbers[0], 1};
@@ -136,7 +136,9 @@ Key fields_key() {
 Key file_key() {
   return {"output.file", "path of the archive; by default the job file's name with .h5, here",
           [](Job& job, const std::string& value) {
-            if (value.empty()) refuse("output.file", value, "a path");
+            // A job file takes what follows a # for a comment: its text could not be read back.
+            if (value.empty() || value.find_first_of("#\n") != std::string::npos)
+              refuse("output.file", value, "a path without # and line breaks");
             job.output.file = value;
           },
           [](const Job& job) { return job.output.file; }};
@@ -199,7 +201,9 @@ std::vector<Key> make_keys() {
           Range{1e-15, 0.1}, [](auto& job) -> auto& { return job.solver.tolerance; }),
       choice(
           "solver.release",
-          "crossing: phi1 = pi, met exactly; window: first step with |pi - phi1| < release-window",
+          "crossing: phi1 = pi, met exactly; window: first step with |pi - phi1| < "
+          "release-window, for fixed steppers only (if nothing is said, adaptive ones use "
+          "crossing)",
           releases, [](auto& job) -> auto& { return job.solver.release; }),
       number(
           "solver.release-window", "the paper's window, rad", positive,
@@ -219,6 +223,20 @@ std::vector<Key> make_keys() {
           "output.compression", "deflate level of the maps, 0 = off", 0, 9,
           [](auto& job) -> auto& { return job.output.compression; }),
   };
+}
+
+/// The steps of an adaptive stepper leap over the window, or land in it on a later pass: it needs
+/// the crossing, which it gets unless the job says otherwise.
+void settle_release(Solver& solver, bool given) {
+  const bool adaptive = with_stepper<double>(
+      solver.stepper,
+      []<class Stepper>(std::type_identity<Stepper>) { return is_adaptive<Stepper>; });
+  if (!adaptive || solver.release == Release::crossing) return;
+  if (given)
+    refuse("solver.release", "window",
+           fmt::format("crossing for the adaptive stepper {}, whose steps may leap over the window",
+                       solver.stepper));
+  solver.release = Release::crossing;
 }
 
 std::string section_of(const std::string& name) { return name.substr(0, name.find('.')); }
@@ -262,13 +280,15 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
   }
   Job job;
   job.output.file = std::filesystem::path(name).stem().string() + ".h5";
+  bool release_given = false;
   for (const Key& key : job_keys()) {
     const auto override = overrides.find(key.name);
-    if (override != overrides.end())
-      key.set(job, override->second);
-    else if (given.count(key.name))
-      key.set(job, given[key.name].as<std::string>());
+    const bool overridden = override != overrides.end();
+    if (!overridden && !given.count(key.name)) continue;
+    key.set(job, overridden ? override->second : given[key.name].as<std::string>());
+    release_given = release_given || key.name == "solver.release";
   }
+  settle_release(job.solver, release_given);
   return job;
 }
 
@@ -286,6 +306,7 @@ std::string read_job_file(const std::string& path) {
   file.read(content.data(), static_cast<std::streamsize>(content.size()));
   if (file.bad()) refuse_file(std::strerror(errno));
   content.resize(static_cast<std::size_t>(file.gcount()));
+  if (content.starts_with("\xef\xbb\xbf")) content.erase(0, 3);  // a byte-order mark
   const bool binary = std::any_of(content.begin(), content.end(), [](unsigned char c) {
     return c < ' ' && c != '\n' && c != '\r' && c != '\t';
   });

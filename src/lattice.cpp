@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
@@ -56,6 +57,12 @@ std::vector<double> values(const Plan& plan) {
 void check_size(const std::array<Plan, 3>& plans, const LatticeSpec& spec) {
   const std::array<const std::optional<AxisRange>*, 3> given{&spec.r1, &spec.r3, &spec.r2};
   constexpr std::array names{"r1", "r3", "r2"};
+  for (std::size_t d = 0; d < 3; ++d)
+    if (plans[d].count > 1 && plans[d].step < 1e-12 * plans[d].last())
+      throw InputError(
+          fmt::format("lattice.{} with a step = {}: must be at least 1e-12 of the largest value, "
+                      "to tell values apart",
+                      names[d], plans[d].step));
   const double cells = plans[0].count * plans[1].count * plans[2].count;
   const auto longest = std::max_element(
       plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return a.count < b.count; });

@@ -73,7 +73,9 @@ int main(int argc, char** argv) {
   const int rank = mpi::rank(MPI_COMM_WORLD);
   try {
     run(argc, argv);
-    return 0;
+    if (std::fflush(stdout) == 0) return 0;
+    std::perror("trebsweep: cannot write to stdout");
+    return 1;
   } catch (const InputError& error) {
     // Every rank comes here with the same message; one tells it.
     if (rank == 0) fmt::print(stderr, "trebsweep: {}\n", error.what());

@@ -131,18 +131,20 @@ bool prepare_output(const Job& job, bool overwrite) {
   if (!fs::is_directory(folder, unknown))
     refuse_file(fmt::format("{} is no folder; make it, or name another", folder.string()));
   if (fs::is_directory(path, unknown)) refuse_file("is a folder; name a file");
-  if (fs::exists(path, unknown) && !overwrite) {
+  if (fs::exists(path, unknown)) {
     const auto archived = archived_job(path);
-    if (archived && same_job(job, *archived)) return true;
-    refuse_file(fmt::format("{}; name another file, or replace it with --overwrite",
-                            archived ? "holds the archive of another job" : "is there already"));
+    if (!archived) refuse_file("is there already and is no archive of a sweep; name another file");
+    if (!overwrite && same_job(job, *archived)) return true;
+    if (!overwrite)
+      refuse_file(
+          "holds the archive of another job; name another file, or replace it with --overwrite");
   }
-  if (fs::exists(partial, unknown) && !overwrite)
+  const int file = open(partial.c_str(), O_WRONLY | O_CREAT | (overwrite ? 0 : O_EXCL), 0666);
+  if (file < 0 && errno == EEXIST)
     refuse_file(
         fmt::format("{} holds an unfinished sweep; name another file, or start anew with "
                     "--overwrite",
                     partial.string()));
-  const int file = open(partial.c_str(), O_WRONLY | O_CREAT, 0666);
   if (file < 0)
     refuse_file(fmt::format("cannot write in {}: {}", folder.string(), std::strerror(errno)));
   close(file);
@@ -279,8 +281,8 @@ std::string to_text(const Summary& summary, const Job& job, int ranks) {
       text += fmt::format("          {} {}\n", summary.statuses[s], status_names[s]);
   if (const auto& best = summary.optimum)
     text += fmt::format(
-        "optimum   {:.8f} m/s at r1 = {:g}, r2 = {:g}, r3 = {:g} m, released at {:.8g} s\n",
-        best->speed, best->design.r1, best->design.r2, best->design.r3, best->release_time);
+        "optimum   {:.8f} m/s at r1 = {}, r2 = {}, r3 = {} m, released at {:.8g} s\n", best->speed,
+        best->design.r1, best->design.r2, best->design.r3, best->release_time);
   else
     text += "optimum   none: nothing was released\n";
   text += fmt::format("steps     {}\n", summary.steps);

@@ -10,6 +10,7 @@ namespace trebsweep {
 namespace {
 
 constexpr double default_interval = 0.01;
+constexpr double most_rows = 1e7;
 
 void print_header(std::FILE* out) {
   fmt::print(out, "t phi1 phi2 w1 w2 x1 y1 xt yt x3 y3 speed energy tension\n");
@@ -73,6 +74,11 @@ Status trace(const Job& job, const Design<double>& design, std::optional<double>
     refuse("r1", fmt::format("{}", design.r1),
            fmt::format("at least |h - h0| = {:.6g} m, to hold the counterweight at its height",
                        std::abs(job.scene.release_height - job.scene.fulcrum_height)));
+  const double shortest = job.solver.max_time / most_rows;
+  if (interval && *interval < shortest)
+    refuse(
+        "interval", fmt::format("{}", *interval),
+        fmt::format("at least {:g} s, which makes {:g} rows up to max-time", shortest, most_rows));
   return with_stepper<double>(job.solver.stepper, [&]<class Stepper>(std::type_identity<Stepper>) {
     if (!interval && is_adaptive<Stepper>) interval = default_interval;
     const Motion<double> motion(job.scene, design);

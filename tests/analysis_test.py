@@ -68,6 +68,11 @@ class AnalysisTest(unittest.TestCase):
         self.run_script("heatmap.py", "single.h5")
         self.assert_picture("single-speed.png")
 
+    def test_heatmap_draws_the_first_map_where_there_is_no_speed(self):
+        self.sweep("accurate", "--output.fields", "status", name="flags")
+        self.run_script("heatmap.py", "flags.h5")
+        self.assert_picture("flags-status.png")
+
     def test_comparison_in_numbers_and_as_a_map(self):
         done = self.run_script("compare.py", "paper.h5", "accurate.h5")
         self.assertIn("largest", done.stdout)
@@ -96,6 +101,10 @@ class AnalysisTest(unittest.TestCase):
                 ("heatmap.py", ["missing.h5"], "missing.h5"),
                 ("heatmap.py", ["accurate.h5", "--field", "mass"], "has no map mass"),
                 ("heatmap.py", ["accurate.h5", "-o", "picture.xyz"], "picture.xyz"),
+                ("heatmap.py", ["accurate.h5", "--r1", "5"], "r1 = 5: must be from 0.55 to 1.45 m"),
+                ("heatmap.py", ["accurate.h5", "--r1", "nan"], "r1 = nan"),
+                ("optimum.py", ["accurate.h5", "--job", "no/such/folder.cfg"], "no/such/folder.cfg"),
+                ("trajectory.py", ["table.txt", "--count", "-1"], "count = -1"),
                 ("compare.py", ["paper.h5", "accurate.h5", "--field", "status"], "flags"),
                 ("trajectory.py", ["accurate.h5"], "accurate.h5")):
             with self.subTest(script=script, arguments=arguments):

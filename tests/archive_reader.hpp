@@ -21,13 +21,12 @@ inline std::vector<double> read_map(const std::filesystem::path& path, const std
   return values;
 }
 
-/// A path in the temporary folder, the same on all ranks; what is there is removed at the end of
-/// its scope, when all ranks are through with it.
+/// A path in the folder of the test programs, the same on all ranks; what is there is removed at
+/// the end of its scope, when all ranks are through with it.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& name)
-      : path_(std::filesystem::temp_directory_path() /
-              ("trebsweep_" + name + "_" + std::to_string(mpi::size(MPI_COMM_WORLD)) + ".h5")) {}
+      : path_(TEST_DIR "/" + name + "_" + std::to_string(mpi::size(MPI_COMM_WORLD)) + ".h5") {}
   ~TemporaryFile() {
     MPI_Barrier(MPI_COMM_WORLD);
     if (mpi::rank(MPI_COMM_WORLD) != 0) return;

@@ -70,6 +70,15 @@ class Help(CommandTest):
         self.assertRegex(self.run_program("--version").stdout, r"^trebsweep \d+\.\d+\.\d+ \(.+\)\n$")
 
 
+class Output(CommandTest):
+    def test_a_summary_that_cannot_be_written_is_an_error(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = subprocess.run([PROGRAM, "sweep", self.job, *COARSE], cwd=self.folder, stdout=full,
+                                  stderr=subprocess.PIPE, text=True, timeout=120, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("cannot write to stdout", done.stderr)
+
+
 class BadInput(CommandTest):
     def test_impossible_physics_names_key_value_and_what_is_allowed(self):
         for key in ("gravity", "counterweight-mass", "projectile-mass", "release-height",
@@ -232,6 +241,12 @@ class ExistingFiles(CommandTest):
         self.write("notes.txt", "precious\n")
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "notes.txt"],
                             "output.file = notes.txt", "is there already")
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "job.cfg", "--overwrite"],
+                            "output.file = job.cfg", "no archive")
+        with h5py.File(self.path("foreign.h5"), "w") as file:
+            file.attrs["job"] = ["many"] * 2000
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "foreign.h5"],
+                            "output.file = foreign.h5", "no archive")
 
     def test_an_unfinished_sweep_is_kept(self):
         self.write("job.h5.partial", "half of it\n")

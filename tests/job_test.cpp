@@ -101,9 +101,32 @@ TEST_CASE("Values out of range are refused") {
       {"output.compression", "10"},    {"output.compression", "-1"},
       {"output.compression", "1.5"},   {"output.storage", "float16"},
       {"output.fields", "speed,sped"}, {"output.fields", "speed,speed"},
+      {"output.file", "a#b.h5"},
   };
   for (const auto& [key, value] : bad)
     CHECK_THROWS_WITH(parse("", {{key, value}}), contains(key + " = " + value + ": must be "));
+}
+
+TEST_CASE("Adaptive steppers use the crossing, and refuse the window") {
+  CHECK(parse("[solver]\nstepper = dopri5\n").solver.release == Release::crossing);
+  CHECK(parse("[solver]\nstepper = rk4\n").solver.release == Release::window);
+  CHECK_THROWS_WITH(parse("[solver]\nstepper = dopri5\nrelease = window\n"),
+                    contains("solver.release = window: must be crossing"));
+}
+
+TEST_CASE("Blanks around a number, a leading + and a byte-order mark do no harm") {
+  CHECK(parse("", {{"scene.gravity", " +9.5 "}}).scene.gravity == 9.5);
+  CHECK_THROWS_AS(parse("", {{"scene.gravity", "+-9.5"}}), InputError);
+  const std::filesystem::path file = TEST_DIR "/job_test_bom.cfg";
+  std::ofstream(file) << "\xef\xbb\xbf[scene]\ngravity = 9.5\n";
+  CHECK(parse(read_job_file(file)).scene.gravity == 9.5);
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("jobs/paper.cfg shows every key") {
+  const std::string text = read_job_file(SOURCE_DIR "/jobs/paper.cfg");
+  for (const Key& key : job_keys())
+    CHECK_THAT(text, contains(key.name.substr(key.name.find('.') + 1) + " "));
 }
 
 TEST_CASE("Unknown keys are refused with the known ones") {
@@ -123,7 +146,7 @@ TEST_CASE("Missing, unreadable and binary files are refused by name") {
   namespace fs = std::filesystem;
   CHECK_THROWS_WITH(read_job_file("/nowhere/job.cfg"), contains("/nowhere/job.cfg"));
   CHECK_THROWS_WITH(read_job_file("/"), contains("is a directory"));
-  const fs::path file = fs::temp_directory_path() / "trebsweep_job_test.cfg";
+  const fs::path file = TEST_DIR "/job_test.cfg";
   std::ofstream(file) << std::string("[scene]\n\0\1\2", 11);
   CHECK_THROWS_WITH(read_job_file(file), contains("not a text file"));
   std::ofstream(file) << std::string(2 << 20, '#');

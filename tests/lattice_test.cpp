@@ -101,6 +101,12 @@ TEST_CASE("Absurd lattices are refused before they are stored, with what they wo
   CHECK_THROWS_WITH(Lattice(Scene{}, spec), contains("lattice.r2"));
 }
 
+TEST_CASE("An axis too fine to tell its values apart is refused") {
+  LatticeSpec spec;
+  spec.r1 = AxisRange{1, 1.00000000000001, 1e-15};
+  CHECK_THROWS_WITH(Lattice(Scene{}, spec), contains("lattice.r1 with a step = 1e-15"));
+}
+
 TEST_CASE("Tiles cover every design once, whatever their edge, and none is empty") {
   const Lattice lattice(Scene{}, with_increment(0.05));
   for (const Index3& edge :

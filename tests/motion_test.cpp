@@ -166,6 +166,12 @@ TEST_CASE("A swing starts at rest with the counterweight at its height") {
   }
 }
 
+TEST_CASE("A counterweight that starts at its lowest point, but for rounding, starts at pi") {
+  Scene scene;
+  scene.release_height = 1.4;  // 1.4 - 1.5 is not quite -0.1
+  CHECK(Motion<double>(scene, {0.1, 0.5, 0.9}).start()[phi1] == Approx(3.14159265358979));
+}
+
 TEST_CASE("The start keeps its digits beside the upright position") {
   const Scene scene;  // h - h0 = 0.5
   for (const double above : {1e-3, 1e-6, 1e-9}) {

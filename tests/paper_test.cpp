@@ -29,17 +29,18 @@ TEST_CASE("The whole lattice by the paper's rules equals the paper's algorithm t
   const auto speed = read_map(file.path(), "speed"), time = read_map(file.path(), "release_time");
   const auto status = read_map(file.path(), "status");
   double speed_error = 0, time_error = 0;
-  std::size_t designs = 0, released = 0;
+  std::size_t designs = 0, released = 0, equal = 0;
   paper::sweep([&](const paper::Shot& shot, int i1, int i3, int i2) {
     const auto cell = static_cast<std::size_t>(((i1 - 51) * 120 + i3 - 30) * 119 + i2 - 1);
     ++designs;
     released += status[cell] == static_cast<double>(Status::released) && shot.step > 0;
-    speed_error = std::max(speed_error, std::abs(speed[cell] - shot.speed));
-    time_error = std::max(time_error, std::abs(time[cell] - shot.time));
+    const double dv = std::abs(speed[cell] - shot.speed), dt = std::abs(time[cell] - shot.time);
+    equal += dv < 1e-9 && dt < 1e-9;  // false for NaN
+    speed_error = std::max(speed_error, dv);
+    time_error = std::max(time_error, dt);
   });
   CHECK(designs == 706860);
   CHECK(released == designs);
-  CHECK(speed_error < 1e-9);
-  CHECK(time_error < 1e-9);
+  CHECK(equal == designs);
   WARN("largest difference: speed " << speed_error << " m/s, release time " << time_error << " s");
 }

@@ -240,13 +240,45 @@ TEST_CASE("A state that overflows is non_finite, never a number") {
   CHECK(shoot(Scene{}, optimum, euler).status == Status::non_finite);
 }
 
-TEST_CASE("A tolerance that asks for steps too short for the clock is step_underflow") {
-  Solver solver = accurate(1e-13);
-  solver.max_time = 1e13;
-  CHECK(shoot(Scene{}, optimum, solver).status == Status::step_underflow);
+TEST_CASE("Steps too short to advance the clock are step_underflow") {
+  const Design<double> tiny_sling{0.51, 1e-36, 0.91};  // its swing would take 1e-18 s
+  for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78"})
+    CHECK(shoot(Scene{}, tiny_sling, accurate(1e-9, name)).status == Status::step_underflow);
 }
 
-TEST_CASE("A NaN in a step's end counts as an infinite error") {
+TEST_CASE("A distant time limit changes nothing") {
+  Solver solver = accurate(1e-9);
+  const Shot shot = shoot(Scene{}, optimum, solver);
+  solver.max_time = 1e300;
+  CHECK(shoot(Scene{}, optimum, solver).speed == shot.speed);
+}
+
+TEST_CASE("A release behind the time limit does not count, in the middle of a fixed step either") {
+  for (const std::string name : {"euler", "rk4", "dopri5"}) {
+    Solver solver = accurate(1e-9, name);
+    solver.time_step = 0.3;
+    const double time = shoot(Scene{}, optimum, solver).time;
+    solver.max_time = time - 1e-3;
+    CHECK(shoot(Scene{}, optimum, solver).status == Status::not_released);
+    solver.max_time = time + 1e-3;
+    CHECK(shoot(Scene{}, optimum, solver).status == Status::released);
+  }
+}
+
+TEST_CASE("A counterweight that starts at its lowest is no release at the start") {
+  Scene scene;
+  scene.release_height = 0.5;
+  for (const Release release : {Release::crossing, Release::window}) {
+    Solver solver = accurate(1e-9, "euler");
+    solver.release = release;
+    solver.max_time = 0.5;
+    const Shot shot = shoot(scene, {1, 0.58, 0.91}, solver);
+    CHECK(shot.time > 0);
+    CHECK(shot.speed < 1e-12);
+  }
+}
+
+TEST_CASE("A NaN in a step's end or error counts as an infinite error") {
   Instant<double> from{0, {}, {}}, to{0.1, {}, {}};
   State<double> error{};
   CHECK(error_ratio(from, to, error, 1e-9) == 0);
@@ -254,6 +286,9 @@ TEST_CASE("A NaN in a step's end counts as an infinite error") {
   CHECK(std::isinf(error_ratio(from, to, error, 1e-9)));
   to.x[phi2] = 0;
   to.dxdt[w1] = std::nan("");
+  CHECK(std::isinf(error_ratio(from, to, error, 1e-9)));
+  to.dxdt[w1] = 0;
+  error = {1e-10, std::nan(""), 1e-10, 0};
   CHECK(std::isinf(error_ratio(from, to, error, 1e-9)));
 }
 

@@ -100,3 +100,7 @@ TEST_CASE("A swing without a release is traced to its time limit") {
 TEST_CASE("A design that cannot start is refused") {
   CHECK_THROWS_WITH(trace(Job{}, {0.4, 1, 1}, {}, stderr), contains("r1 = 0.4: must be at least"));
 }
+
+TEST_CASE("An interval that would print without end is refused") {
+  CHECK_THROWS_WITH(trace(accurate(), optimum, 1e-300, stderr), contains("interval = 1e-300"));
+}

@@ -7,6 +7,9 @@
 
 namespace trebsweep::hdf5 {
 
+/// Keeps HDF5 from printing its error stack: failures are reported once, by fail().
+void silence();
+
 /// Throws std::runtime_error saying what failed, with HDF5's own reason.
 [[noreturn]] void fail(const std::string& what);
 

@@ -64,8 +64,8 @@ class Motion {
     using std::sqrt;
     // arccos(height / r1), written so that it keeps its digits near the upright, unstable
     // equilibrium.
-    const T below = r1_ - height_;
-    const T angle = atan2(below > T(0) ? T(sqrt(below * (r1_ + height_))) : T(0), height_);
+    const T square = (r1_ - height_) * (r1_ + height_);
+    const T angle = atan2(square > T(0) ? T(sqrt(square)) : T(0), height_);
     return {angle, sling_angle_, T(0), T(0)};
   }
 

@@ -24,9 +24,13 @@ struct Range {
 inline constexpr Range positive{0, std::numeric_limits<double>::infinity(), false};
 inline constexpr Range not_negative{0};
 
-/// Whether the whole text is a number, which it then becomes.
+/// Whether the whole text, but for blanks around it and a leading +, is a number, which it then
+/// becomes.
 template <class Number>
 bool parses(std::string_view text, Number& number) {
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   return error == std::errc() && end == text.data() + text.size();
 }

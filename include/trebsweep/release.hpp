@@ -36,6 +36,8 @@ template <class Stepper, class T>
 std::optional<Instant<T>> release_between(Stepper& stepper, const Motion<T>& motion,
                                           const Instant<T>& from, const Instant<T>& to) {
   const T pi = boost::math::constants::pi<T>();
+  if (from.x[phi1] >= pi)
+    return std::nullopt;  // beyond it already, or at rest there from the start
   const T precision = 8 * std::numeric_limits<T>::epsilon();
   const T h = to.t - from.t;
   Instant<T> at = to;

@@ -50,18 +50,20 @@ bool is_finite(const Instant<T>& at) {
 }
 
 /// The largest error of a step in units of what the tolerance allows, in the measure of Odeint's
-/// default_error_checker; infinite where the step's end is not finite. Odeint's own test lets NaN
-/// pass: its comparisons with NaN are all false.
+/// default_error_checker; infinite where the step's end or error is not finite. Odeint's own test
+/// lets NaN pass: its comparisons with NaN are all false.
 template <class T>
 T error_ratio(const Instant<T>& from, const Instant<T>& to, const State<T>& error,
               const T& tolerance) {
   using std::abs;
+  using std::isfinite;
   if (!is_finite(to)) return std::numeric_limits<T>::infinity();
   const T h = to.t - from.t;
   T largest = 0;
   for (std::size_t i = 0; i < error.size(); ++i) {
     const T scale = T(1) + abs(from.x[i]) + abs(h * from.dxdt[i]);
     const T ratio = abs(error[i]) / (tolerance * scale);
+    if (!isfinite(ratio)) return std::numeric_limits<T>::infinity();
     if (ratio > largest) largest = ratio;
   }
   return largest;
@@ -76,12 +78,11 @@ T step_factor(const T& error_ratio, int error_order) {
   return factor < T(0.2) ? T(0.2) : factor > T(5) ? T(5) : factor;
 }
 
-/// Whether a step's end is a release by itself: inside the paper's window, or at pi or beyond.
+/// The paper's rule: whether a step's end lies inside the window around pi.
 template <class T>
-bool is_release(const Instant<T>& at, const Solver& solver) {
+bool is_inside_window(const Instant<T>& at, const T& window) {
   using std::abs;
-  const T left = boost::math::constants::pi<T>() - at.x[phi1];
-  return solver.release == Release::window ? abs(left) < T(solver.release_window) : left <= T(0);
+  return abs(boost::math::constants::pi<T>() - at.x[phi1]) < window;
 }
 
 /// What became of a step that was tried.
@@ -103,7 +104,9 @@ Trial try_step(Stepper& stepper, const Motion<T>& motion, const Solver& solver,
       if (reaches_end) next.t = max_time;
       return Trial::accepted;
     }
-    if (h >= std::numeric_limits<T>::epsilon() * max_time) return Trial::rejected;
+    // Too short: it would not move the clock on; near t = 0, the first try stands for the time.
+    const T clock = now.t > T(solver.time_step) ? now.t : T(solver.time_step);
+    if (h >= std::numeric_limits<T>::epsilon() * clock) return Trial::rejected;
     return is_finite(next) ? Trial::too_short : Trial::non_finite;
   } else {
     next = advance(stepper, motion, now, h, error);
@@ -122,15 +125,17 @@ Outcome<T> swing(const Motion<T>& motion, const Solver& solver, Observe&& observ
   Instant<T> now{T(0), motion.start(), {}};
   motion(now.x, now.dxdt, now.t);
   if (!is_finite(now)) return {Status::non_finite, now, 0};
-  if (is_release(now, solver)) return {Status::released, now, 0};
 
   const auto at = [&](const T& t) {
     State<T> error;
     return advance(stepper, motion, now, T(t - now.t), error);
   };
+  const T max_time(solver.max_time);
+  const T latest =
+      max_time * (T(1) + 4 * std::numeric_limits<T>::epsilon());  // counted steps round
   T h(solver.time_step);
   std::uint64_t steps = 0;
-  while (now.t < T(solver.max_time)) {
+  while (now.t < max_time) {
     if (steps == solver.max_steps) return {Status::step_budget, now, steps};
     Instant<T> next;
     const Trial trial = try_step(stepper, motion, solver, now, ++steps, h, next);
@@ -138,15 +143,17 @@ Outcome<T> swing(const Motion<T>& motion, const Solver& solver, Observe&& observ
     if (trial == Trial::too_short) return {Status::step_underflow, now, steps};
     if (trial == Trial::non_finite) return {Status::non_finite, now, steps};
     if (solver.release == Release::crossing) {
-      if (const auto release = release_between(stepper, motion, now, next)) {
-        if (!is_finite(*release)) return {Status::non_finite, now, steps};
+      const auto release = release_between(stepper, motion, now, next);
+      if (release && !is_finite(*release)) return {Status::non_finite, now, steps};
+      if (release && release->t <= latest) {
         observe(now, *release, at);
         return {Status::released, *release, steps};
       }
     }
+    if (next.t > latest) break;  // a fixed step may end behind the time limit
     observe(now, next, at);
     now = next;
-    if (solver.release == Release::window && is_release(now, solver))
+    if (solver.release == Release::window && is_inside_window(now, T(solver.release_window)))
       return {Status::released, now, steps};
   }
   return {Status::not_released, now, steps};
