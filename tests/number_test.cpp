@@ -1,0 +1,32 @@
+#include "trebsweep/number.hpp"
+
+#include "catch.hpp"
+#include "trebsweep/error.hpp"
+
+using namespace trebsweep;
+
+TEST_CASE("The whole text must be a number, but for blanks around it and a leading +") {
+  double x = 0;
+  for (const std::string good : {"1.5", " 1.5 ", "+1.5", "15e-1"}) {
+    CHECK(parses(good, x));
+    CHECK(x == 1.5);
+  }
+  for (const std::string bad : {"", " ", "1.5 m", "1,5", "0x1", "--1", "+-1", "1.5.", "1e999"})
+    CHECK_FALSE(parses(bad, x));
+  std::uint64_t n = 0;
+  CHECK(parses("18446744073709551615", n));
+  CHECK_FALSE(parses("18446744073709551616", n));
+  CHECK_FALSE(parses("-1", n));
+}
+
+TEST_CASE("A number outside its range is refused by key, value and range") {
+  CHECK(to_number("mass", "2", positive) == 2);
+  CHECK(to_number("mass", "0", not_negative) == 0);
+  CHECK_THROWS_WITH(to_number("mass", "0", positive), "mass = 0: must be a finite number above 0");
+  CHECK_THROWS_WITH(to_number("mass", "-0.1", not_negative),
+                    "mass = -0.1: must be a finite number not below 0");
+  CHECK_THROWS_WITH(to_number("level", "10", Range{0, 9}),
+                    "level = 10: must be a number from 0 to 9");
+  for (const std::string value : {"nan", "inf", "-inf"})
+    CHECK_THROWS_AS(to_number("mass", value, positive), InputError);
+}

@@ -1,0 +1,65 @@
+#include "trebsweep/output.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include "catch.hpp"
+#include "trebsweep/error.hpp"
+
+using namespace trebsweep;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// An empty folder, gone at the end of its scope.
+struct Folder {
+  fs::path path = TEST_DIR "/output_test";
+
+  Folder() {
+    fs::remove_all(path);
+    fs::create_directory(path);
+  }
+  ~Folder() { fs::remove_all(path); }
+};
+
+Job job_in(const fs::path& path) {
+  Job job;
+  job.output.file = path;
+  return job;
+}
+
+}  // namespace
+
+TEST_CASE("A free place is taken by a partial file") {
+  const Folder folder;
+  CHECK(prepare_output(job_in(folder.path / "a.h5"), false));
+  CHECK(fs::exists(folder.path / "a.h5.partial"));
+  CHECK_FALSE(fs::exists(folder.path / "a.h5"));
+}
+
+TEST_CASE("An unfinished sweep is kept unless it may be overwritten") {
+  const Folder folder;
+  const Job job = job_in(folder.path / "a.h5");
+  std::ofstream(folder.path / "a.h5.partial") << "half";
+  CHECK_THROWS_WITH(prepare_output(job, false), contains("unfinished sweep"));
+  CHECK(fs::file_size(folder.path / "a.h5.partial") == 4);
+  CHECK(prepare_output(job, true));
+}
+
+TEST_CASE("What is no archive is never replaced") {
+  const Folder folder;
+  std::ofstream(folder.path / "notes.txt") << "precious";
+  for (const bool overwrite : {false, true})
+    CHECK_THROWS_WITH(prepare_output(job_in(folder.path / "notes.txt"), overwrite),
+                      contains("is no archive of a sweep"));
+  CHECK(fs::file_size(folder.path / "notes.txt") == 8);
+}
+
+TEST_CASE("Places that cannot hold a file are refused by name") {
+  const Folder folder;
+  CHECK_THROWS_WITH(prepare_output(job_in(folder.path / "no" / "a.h5"), false),
+                    contains("is no folder"));
+  CHECK_THROWS_WITH(prepare_output(job_in(folder.path), false), contains("is a folder"));
+  CHECK_THROWS_WITH(prepare_output(job_in(folder.path / std::string(300, 'x')), false),
+                    contains("cannot write in") && contains("too long"));
+}

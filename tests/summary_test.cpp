@@ -1,0 +1,59 @@
+#include "trebsweep/summary.hpp"
+
+#include "catch.hpp"
+#include "trebsweep/mpi.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+Outcome<double> released_at(double time) { return {Status::released, {time, {}, {}}, 10}; }
+
+const Lattice paper_lattice{Scene{}, LatticeSpec{}};
+
+}  // namespace
+
+TEST_CASE("The optimum is the fastest of all ranks, and of equals the first in the lattice") {
+  const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
+  const auto ranks = static_cast<std::uint64_t>(mpi::size(MPI_COMM_WORLD));
+  Tally tally;
+  tally.add(released_at(0.1), 1, rank);
+  tally.add(released_at(0.5), 7, 1000 - rank);  // the same speed on every rank
+  tally.add(released_at(0.6), 7, 2000 + rank);
+  tally.add({Status::not_released, {}, 5}, 99, 0);
+  const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
+  CHECK(summary.designs() == 4 * ranks);
+  CHECK(summary.statuses[static_cast<std::size_t>(Status::released)] == 3 * ranks);
+  CHECK(summary.statuses[static_cast<std::size_t>(Status::not_released)] == ranks);
+  CHECK(summary.steps == 35 * ranks);
+  REQUIRE(summary.optimum);
+  CHECK(summary.optimum->speed == 7);
+  CHECK(summary.optimum->release_time == 0.5);
+  const std::uint64_t cell = 1000 - (ranks - 1);
+  const Design<double> design = paper_lattice.design({0, cell / 119, cell % 119});
+  CHECK(summary.optimum->design.r3 == design.r3);
+  CHECK(summary.optimum->design.r2 == design.r2);
+}
+
+TEST_CASE("An optimum that only one rank has seen is known to all") {
+  Tally tally;
+  if (mpi::rank(MPI_COMM_WORLD) == mpi::size(MPI_COMM_WORLD) - 1)
+    tally.add(released_at(0.9), 0, 5);  // even a shot of 0 m/s
+  const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
+  REQUIRE(summary.optimum);
+  CHECK(summary.optimum->release_time == 0.9);
+}
+
+TEST_CASE("Without a release there is no optimum, and the text says so") {
+  Tally tally;
+  tally.add({Status::non_finite, {}, 1}, 0, 0);
+  const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
+  CHECK_FALSE(summary.optimum);
+  CHECK_THAT(to_text(summary, Job{}, 2), contains("non_finite") && contains("optimum   none"));
+}
+
+TEST_CASE("The text gives the optimum's design to the last digit") {
+  Summary summary;
+  summary.optimum = Optimum{{0.512345678, 0.58, 0.91}, 16.5, 0.9};
+  CHECK_THAT(to_text(summary, Job{}, 1), contains("r1 = 0.512345678, r2 = 0.91, r3 = 0.58 m"));
+}
