@@ -1,7 +1,10 @@
 #include "trebsweep/output.hpp"
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "catch.hpp"
 #include "trebsweep/error.hpp"
@@ -11,14 +14,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// An empty folder, gone at the end of its scope.
+/// An empty folder of this process, gone at the end of its scope.
 struct Folder {
-  fs::path path = TEST_DIR "/output_test";
+  fs::path path = TEST_DIR "/output_of_" + std::to_string(getpid());
 
-  Folder() {
-    fs::remove_all(path);
-    fs::create_directory(path);
-  }
+  Folder() { fs::create_directory(path); }
   ~Folder() { fs::remove_all(path); }
 };
 
