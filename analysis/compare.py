@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares a map of two archives of one lattice: A less B, in numbers and as a picture.
+"""Compares a map of two archives of one lattice: A - B, in numbers and as a picture.
 
 For example the paper's Euler sweep against an accurate one:
     analysis/compare.py paper.h5 accurate.h5
@@ -71,7 +71,8 @@ def draw(a, b, field, centre):
     bar = figure.colorbar(mesh, ax=panels, pad=0.01)
     bar.set_label("difference of the " + a.label(field))
     names = [os.path.splitext(os.path.basename(archive.path))[0] for archive in (a, b)]
-    figure.suptitle(f"{names[0]} less {names[1]}, through the optimum of {names[1]}")
+    figure.suptitle(f"difference \u201c{names[0]}\u201d \u2212 \u201c{names[1]}\u201d, "
+                    f"through the optimum of \u201c{names[1]}\u201d")
     return figure
 
 
