@@ -228,9 +228,9 @@ std::vector<Key> make_keys() {
 /// The steps of an adaptive stepper leap over the window, or land in it on a later pass: it needs
 /// the crossing, which it gets unless the job says otherwise.
 void settle_release(Solver& solver, bool given) {
-  const bool adaptive = with_stepper<double>(
-      solver.stepper,
-      []<class Stepper>(std::type_identity<Stepper>) { return is_adaptive<Stepper>; });
+  const bool adaptive = with_stepper(solver.stepper, []<template <class> class Stepper>() {
+    return is_adaptive<Stepper<double>>;
+  });
   if (!adaptive || solver.release == Release::crossing) return;
   if (given)
     refuse("solver.release", "window",

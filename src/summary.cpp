@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <numeric>
 
 #include "trebsweep/mpi.hpp"
@@ -12,13 +13,13 @@ std::uint64_t Summary::designs() const {
   return std::accumulate(statuses.begin(), statuses.end(), std::uint64_t{0});
 }
 
-void Tally::add(const Outcome<double>& outcome, double speed, std::uint64_t cell) {
-  ++statuses[static_cast<std::size_t>(outcome.status)];
-  steps += outcome.steps;
-  if (outcome.status != Status::released) return;
-  if (speed > best_speed || (speed == best_speed && cell < best_cell)) {
-    best_speed = speed;
-    best_time = outcome.end.t;
+void Tally::add(const Shot& shot, std::uint64_t cell) {
+  ++statuses[static_cast<std::size_t>(shot.status)];
+  steps += shot.steps;
+  if (shot.status != Status::released) return;
+  if (shot.speed > best_speed || (shot.speed == best_speed && cell < best_cell)) {
+    best_speed = shot.speed;
+    best_time = shot.release_time;
     best_cell = cell;
   }
 }
@@ -28,8 +29,10 @@ Summary combine(const Tally& tally, const Lattice& lattice, MPI_Comm comm) {
   Summary summary;
   summary.statuses = tally.statuses;
   mpi::sum(summary.statuses, comm);
-  summary.steps = tally.steps;
-  mpi::sum({&summary.steps, 1}, comm);
+  std::array steps{tally.steps, tally.lane_steps};
+  mpi::sum(steps, comm);
+  summary.steps = steps[0];
+  summary.lane_steps = steps[1];
 
   const double speed = mpi::max(tally.best_speed, comm);
   const std::uint64_t cell = mpi::min(tally.best_speed == speed ? tally.best_cell : no_cell, comm);

@@ -8,8 +8,11 @@
 #include <filesystem>
 #include <limits>
 #include <numeric>
+#include <queue>
+#include <stdexcept>
 
 #include "trebsweep/archive.hpp"
+#include "trebsweep/kernel.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/output.hpp"
 #include "trebsweep/version.hpp"
@@ -46,68 +49,92 @@ std::vector<MapInfo> map_infos(const Output& output) {
   return maps;
 }
 
-/// Integrates a tile's designs: a map per field of the job.
-template <class Stepper>
-std::vector<Map> integrate(const Job& job, const Lattice& lattice, const Tile& tile, Tally& tally) {
-  std::vector<Map> maps;
-  for (const Field field : job.output.fields) maps.emplace_back(tile.cells(), outside(field));
-  const Index3 extent = lattice.extent();
+/// Calls f(i, cell) for each design of a tile: its place in the lattice, and in the tile's maps.
+template <class F>
+void for_each_design(const Lattice& lattice, const Tile& tile, F f) {
   std::size_t cell = 0;
   for (std::size_t i1 = tile.first[0]; i1 < tile.first[0] + tile.count[0]; ++i1)
     for (std::size_t i3 = tile.first[1]; i3 < tile.first[1] + tile.count[1]; ++i3)
-      for (std::size_t i2 = tile.first[2]; i2 < tile.first[2] + tile.count[2]; ++i2, ++cell) {
-        if (!lattice.holds({i1, i3, i2})) continue;
-        const Design<double> design = lattice.design({i1, i3, i2});
-        const Motion<double> motion(job.scene, design);
-        const auto outcome = start_is_reachable(job.scene, design.r1)
-                                 ? swing<Stepper>(motion, job.solver, Unobserved{})
-                                 : Outcome<double>{Status::unreachable_start, {}, 0};
-        const bool released = outcome.status == Status::released;
-        const double speed = released ? motion.speed(outcome.end.x) : nan;
-        for (std::size_t f = 0; f < maps.size(); ++f) switch (job.output.fields[f]) {
-            case Field::speed:
-              maps[f][cell] = speed;
-              break;
-            case Field::release_time:
-              maps[f][cell] = released ? outcome.end.t : nan;
-              break;
-            case Field::status:
-              maps[f][cell] = static_cast<double>(outcome.status);
-              break;
-          }
-        tally.add(outcome, speed, (i1 * extent[1] + i3) * extent[2] + i2);
-      }
-  return maps;
+      for (std::size_t i2 = tile.first[2]; i2 < tile.first[2] + tile.count[2]; ++i2, ++cell)
+        if (lattice.holds({i1, i3, i2})) f(Index3{i1, i3, i2}, cell);
 }
 
-/// Tiles [first, end), which all ranks compute and then write together, dealt like cards.
-struct Round {
-  std::uint64_t first, end, rank, ranks;
-};
+double value(const Shot& shot, Field field) {
+  switch (field) {
+    case Field::speed:
+      return shot.speed;
+    case Field::release_time:
+      return shot.release_time;
+    case Field::status:
+      return static_cast<double>(shot.status);
+  }
+  throw std::logic_error("unknown field");
+}
 
-/// The maps of this rank's tiles of a round.
-std::vector<std::vector<Map>> integrate(const Round& round, const Job& job, const Lattice& lattice,
-                                        const Tiling& tiling, Tally& tally) {
+/// The maps of some tiles, a map per field of the job for each.
+std::vector<std::vector<Map>> integrate(const std::vector<Tile>& tiles, const Job& job,
+                                        const Lattice& lattice, Tally& tally) {
+  // All at once: lanes run dry at the end only.
+  std::vector<Design<double>> designs;
+  for (const Tile& tile : tiles)
+    for_each_design(lattice, tile,
+                    [&](const Index3& i, std::size_t) { designs.push_back(lattice.design(i)); });
+  std::vector<Shot> shots(designs.size());
+  tally.lane_steps += integrate(job.scene, job.solver, designs, shots);
+
   std::vector<std::vector<Map>> computed;
-  for (std::uint64_t t = round.first + round.rank; t < round.end; t += round.ranks)
-    computed.push_back(
-        with_stepper<double>(job.solver.stepper, [&]<class Stepper>(std::type_identity<Stepper>) {
-          return integrate<Stepper>(job, lattice, tiling.tile(t), tally);
-        }));
+  auto shot = shots.cbegin();
+  const Index3 extent = lattice.extent();
+  for (const Tile& tile : tiles) {
+    std::vector<Map>& maps = computed.emplace_back();
+    for (const Field field : job.output.fields) maps.emplace_back(tile.cells(), outside(field));
+    for_each_design(lattice, tile, [&](const Index3& i, std::size_t cell) {
+      for (std::size_t f = 0; f < maps.size(); ++f)
+        maps[f][cell] = value(*shot, job.output.fields[f]);
+      tally.add(*shot, (i[0] * extent[1] + i[1]) * extent[2] + i[2]);
+      ++shot;
+    });
+  }
   return computed;
 }
 
-/// Writes a round's tiles and marks them done; collective.
-void write(const Round& round, const std::vector<std::vector<Map>>& computed, const Tiling& tiling,
-           Archive& archive) {
-  std::size_t mine = 0;
-  for (std::uint64_t t = round.first; t < round.end; t += round.ranks) {
-    if (t + round.rank < round.end)
-      archive.write(tiling.tile(t + round.rank), computed[mine++]);
+/// Tiles [first, end), which all ranks compute and then write together, dealt to the ranks: the
+/// largest first, each to the rank with the fewest designs so far. All ranks deal alike.
+std::vector<std::vector<Tile>> deal(std::uint64_t first, std::uint64_t end, std::uint64_t ranks,
+                                    const Lattice& lattice, const Tiling& tiling) {
+  struct Sized {
+    std::uint64_t designs, number;
+  };
+  std::vector<Sized> tiles;
+  for (std::uint64_t t = first; t < end; ++t)
+    tiles.push_back({lattice.designs_in(tiling.tile(t)), t});
+  std::stable_sort(tiles.begin(), tiles.end(),
+                   [](const Sized& a, const Sized& b) { return a.designs > b.designs; });
+
+  using Hand = std::pair<std::uint64_t, std::uint64_t>;  // designs, rank
+  std::priority_queue<Hand, std::vector<Hand>, std::greater<>> hands;
+  for (std::uint64_t rank = 0; rank < ranks; ++rank) hands.push({0, rank});
+  std::vector<std::vector<Tile>> dealt(ranks);
+  for (const auto& [designs, number] : tiles) {
+    const auto [sum, rank] = hands.top();
+    hands.pop();
+    dealt[rank].push_back(tiling.tile(number));
+    hands.push({sum + designs, rank});
+  }
+  return dealt;
+}
+
+/// Writes a round's tiles; collective.
+void write(const std::vector<std::vector<Tile>>& dealt, std::uint64_t rank,
+           const std::vector<std::vector<Map>>& computed, Archive& archive) {
+  std::size_t most = 0;
+  for (const auto& tiles : dealt) most = std::max(most, tiles.size());
+  for (std::size_t i = 0; i < most; ++i) {
+    if (i < dealt[rank].size())
+      archive.write(dealt[rank][i], computed[i]);
     else
       archive.write(std::nullopt, {});
   }
-  archive.mark_done(round.first, round.end - round.first);
 }
 
 void describe(Archive& archive, const Job& job, const SweepOptions& options, std::uint64_t ranks) {
@@ -136,6 +163,18 @@ void describe(Archive& archive, const Summary& summary) {
   archive.attribute("sweep_seconds", summary.sweep_seconds);
 }
 
+/// The extent of a tile: about a fifth of the lattice's, so that there are tiles enough to share
+/// and not many more to write.
+Index3 tile_edge(const SweepOptions& options, const Lattice& lattice) {
+  Index3 edge = lattice.extent();
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::size_t wanted = options.tile_edge.value_or(Index3{})[d];
+    edge[d] =
+        std::min(edge[d], wanted > 0 ? wanted : std::clamp<std::size_t>((edge[d] + 4) / 5, 16, 64));
+  }
+  return edge;
+}
+
 /// How many tiles a rank computes before it writes: rounds of about a second, within 64 MiB of
 /// maps.
 std::uint64_t next_batch(std::uint64_t batch, double round_seconds, std::size_t bytes_per_tile) {
@@ -155,8 +194,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
                       }).empty();
   if (!to_do) return std::nullopt;
 
-  Index3 edge = options.tile_edge;
-  for (std::size_t d = 0; d < 3; ++d) edge[d] = std::min(edge[d], lattice.extent()[d]);
+  const Index3 edge = tile_edge(options, lattice);
   const Tiling tiling(lattice, edge);
   const auto rank = static_cast<std::uint64_t>(mpi::rank(comm));
   const auto ranks = static_cast<std::uint64_t>(mpi::size(comm));
@@ -171,13 +209,15 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   double integration_seconds = 0;
   std::uint64_t batch = 1;
   for (std::uint64_t next = 0; next < tiling.size();) {
-    const Round round{next, std::min(next + batch * ranks, tiling.size()), rank, ranks};
+    const std::uint64_t end = std::min(next + batch * ranks, tiling.size());
+    const auto dealt = deal(next, end, ranks, lattice, tiling);
     const double round_start = MPI_Wtime();
-    const auto computed = integrate(round, job, lattice, tiling, tally);
+    const auto computed = integrate(dealt[rank], job, lattice, tally);
     const double round_seconds = MPI_Wtime() - round_start;
     integration_seconds += round_seconds;
-    write(round, computed, tiling, archive);
-    next = round.end;
+    write(dealt, rank, computed, archive);
+    archive.mark_done(next, end - next);
+    next = end;
     batch = next_batch(batch, mpi::max(round_seconds, comm), bytes_per_tile);
     std::uint64_t done =
         std::accumulate(tally.statuses.begin(), tally.statuses.end(), std::uint64_t{0});

@@ -30,28 +30,38 @@ void print_row(const Motion<double>& motion, const Instant<double>& at, std::FIL
 }
 
 /// An observer of a swing that prints the rows due in each step, and remembers its end.
+template <class Stepper>
 class Printer {
  public:
   Printer(const Motion<double>& motion, std::optional<double> interval, std::FILE* out)
       : motion_(motion), interval_(interval), out_(out) {}
 
-  template <class At>
-  void operator()(const Instant<double>& from, const Instant<double>& to, const At& at) {
+  void operator()(const Instant<double>& from, const Instant<double>& to) {
     if (row_ == 0) print(from);
     if (!interval_) return print(to);
     // Rows that fall on a step's end but for rounding are the step's end.
     const double rounding = 1e-9 * *interval_;
     for (double t = due(); t <= to.t + rounding; t = due())
-      print(std::abs(t - to.t) <= rounding ? to : at(t));
+      print(std::abs(t - to.t) <= rounding ? to : after(from, t - from.t));
   }
 
   /// Prints the last moment, if no row fell on it.
-  void finish(const Instant<double>& end) {
-    if (row_ == 0 || end.t > printed_) print(end);
+  void finish(const Outcome<double>& outcome) {
+    if (row_ > 0 && outcome.t <= printed_) return;
+    Instant<double> end{outcome.t, outcome.x, {}};
+    motion_(end.x, end.dxdt, end.t);
+    print(end);
   }
 
  private:
   double due() const { return static_cast<double>(row_) * *interval_; }
+
+  Instant<double> after(const Instant<double>& from, double h) {
+    Instant<double> to;
+    State<double> error;
+    advance(stepper_, motion_, from, h, to, error);
+    return to;
+  }
 
   void print(const Instant<double>& at) {
     print_row(motion_, at, out_);
@@ -60,6 +70,7 @@ class Printer {
   }
 
   const Motion<double>& motion_;
+  Stepper stepper_;
   std::optional<double> interval_;
   std::FILE* out_;
   std::uint64_t row_ = 0;
@@ -79,13 +90,13 @@ Status trace(const Job& job, const Design<double>& design, std::optional<double>
     refuse(
         "interval", fmt::format("{}", *interval),
         fmt::format("at least {:g} s, which makes {:g} rows up to max-time", shortest, most_rows));
-  return with_stepper<double>(job.solver.stepper, [&]<class Stepper>(std::type_identity<Stepper>) {
-    if (!interval && is_adaptive<Stepper>) interval = default_interval;
+  return with_stepper(job.solver.stepper, [&]<template <class> class Stepper>() {
+    if (!interval && is_adaptive<Stepper<double>>) interval = default_interval;
     const Motion<double> motion(job.scene, design);
-    Printer printer(motion, interval, out);
+    Printer<Stepper<double>> printer(motion, interval, out);
     print_header(out);
-    const auto outcome = swing<Stepper>(motion, job.solver, printer);
-    printer.finish(outcome.end);
+    const auto outcome = swing<Stepper<double>, double>(job.scene, design, job.solver, printer);
+    printer.finish(outcome);
     return outcome.status;
   });
 }

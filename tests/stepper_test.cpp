@@ -13,10 +13,11 @@ template <class Stepper>
 State<double> integrate(int steps) {
   const Motion<double> motion(Scene{}, {0.51, 0.58, 0.91});
   Stepper stepper;
-  Instant<double> now{0, motion.start(), {}};
+  Instant<double> now{0, start<double>(Scene{}, {0.51, 0.58, 0.91}), {}}, to;
   motion(now.x, now.dxdt, 0);
   State<double> error;
-  for (int i = 0; i < steps; ++i) now = advance(stepper, motion, now, end_time / steps, error);
+  for (int i = 0; i < steps; ++i, now = to)
+    advance(stepper, motion, now, end_time / steps, to, error);
   return now.x;
 }
 
@@ -30,7 +31,7 @@ T distance(const State<T>& a, const State<std::type_identity_t<T>>& b) {
 /// log2 of the error's ratio between `steps` and twice as many.
 template <class Stepper>
 double observed_order(int steps) {
-  const auto truth = integrate<Steppers<double>::Fehlberg78>(1000);
+  const auto truth = integrate<Fehlberg78<double>>(1000);
   return std::log2(distance(integrate<Stepper>(steps), truth) /
                    distance(integrate<Stepper>(2 * steps), truth));
 }
@@ -38,23 +39,22 @@ double observed_order(int steps) {
 }  // namespace
 
 TEST_CASE("Each stepper converges at its order") {
-  using S = Steppers<double>;
-  CHECK(observed_order<S::Euler>(800) == Approx(1).margin(0.1));
-  CHECK(observed_order<S::RungeKutta4>(80) == Approx(4).margin(0.2));
-  CHECK(observed_order<S::CashKarp54>(40) == Approx(5).margin(0.2));
-  CHECK(observed_order<S::Dopri5>(40) == Approx(5).margin(0.2));
-  CHECK(observed_order<S::Fehlberg78>(10) == Approx(8).margin(0.3));
+  CHECK(observed_order<Euler<double>>(800) == Approx(1).margin(0.1));
+  CHECK(observed_order<RungeKutta4<double>>(80) == Approx(4).margin(0.2));
+  CHECK(observed_order<CashKarp54<double>>(40) == Approx(5).margin(0.2));
+  CHECK(observed_order<Dopri5<double>>(40) == Approx(5).margin(0.2));
+  CHECK(observed_order<Fehlberg78<double>>(10) == Approx(8).margin(0.3));
 }
 
 TEST_CASE("A step carries the right-hand side at its end") {
   const Motion<double> motion(Scene{}, {0.51, 0.58, 0.91});
   for (const auto name : stepper_names)
-    with_stepper<double>(name, [&]<class Stepper>(std::type_identity<Stepper>) {
-      Stepper stepper;
-      Instant<double> from{0.25, {0.4, -0.3, 1, -2}, {}};
+    with_stepper(name, [&]<template <class> class Stepper>() {
+      Stepper<double> stepper;
+      Instant<double> from{0.25, {0.4, -0.3, 1, -2}, {}}, to;
       motion(from.x, from.dxdt, from.t);
       State<double> error;
-      const auto to = advance(stepper, motion, from, 0.125, error);
+      advance(stepper, motion, from, 0.125, to, error);
       State<double> dxdt;
       motion(to.x, dxdt, to.t);
       CHECK(to.t == 0.375);
@@ -67,14 +67,14 @@ TEST_CASE("The error estimate of an adaptive stepper shrinks with its order") {
       long double;  // at steps short enough for the order, fehlberg78 is below double's rounding
   const Motion<Real> motion(Scene{}, {Real(0.51), Real(0.58), Real(0.91)});
   for (const auto name : stepper_names)
-    with_stepper<Real>(name, [&]<class Stepper>(std::type_identity<Stepper>) {
-      if constexpr (is_adaptive<Stepper>) {
-        Stepper stepper;
-        Instant<Real> from{0, {Real(0.4), Real(-0.3), 1, -2}, {}};
+    with_stepper(name, [&]<template <class> class Stepper>() {
+      if constexpr (is_adaptive<Stepper<Real>>) {
+        Stepper<Real> stepper;
+        Instant<Real> from{0, {Real(0.4), Real(-0.3), 1, -2}, {}}, to;
         motion(from.x, from.dxdt, from.t);
         State<Real> error{}, half{};
-        advance(stepper, motion, from, Real(0.02), error);
-        advance(stepper, motion, from, Real(0.01), half);
+        advance(stepper, motion, from, Real(0.02), to, error);
+        advance(stepper, motion, from, Real(0.01), to, half);
         const auto order = static_cast<double>(std::log2(distance(error, {}) / distance(half, {})));
         CHECK(order == Approx(stepper.error_order() + 1).margin(0.25));
       }
@@ -82,5 +82,5 @@ TEST_CASE("The error estimate of an adaptive stepper shrinks with its order") {
 }
 
 TEST_CASE("An unknown stepper is refused") {
-  REQUIRE_THROWS_AS(with_stepper<double>("leapfrog", [](auto) {}), std::logic_error);
+  REQUIRE_THROWS_AS(with_stepper("leapfrog", []<template <class> class>() {}), std::logic_error);
 }

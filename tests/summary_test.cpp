@@ -7,7 +7,7 @@ using namespace trebsweep;
 
 namespace {
 
-Outcome<double> released_at(double time) { return {Status::released, {time, {}, {}}, 10}; }
+Shot released(double speed, double time) { return {speed, time, 10, Status::released}; }
 
 const Lattice paper_lattice{Scene{}, LatticeSpec{}};
 
@@ -17,10 +17,10 @@ TEST_CASE("The optimum is the fastest of all ranks, and of equals the first in t
   const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
   const auto ranks = static_cast<std::uint64_t>(mpi::size(MPI_COMM_WORLD));
   Tally tally;
-  tally.add(released_at(0.1), 1, rank);
-  tally.add(released_at(0.5), 7, 1000 - rank);  // the same speed on every rank
-  tally.add(released_at(0.6), 7, 2000 + rank);
-  tally.add({Status::not_released, {}, 5}, 99, 0);
+  tally.add(released(1, 0.1), rank);
+  tally.add(released(7, 0.5), 1000 - rank);  // the same speed on every rank
+  tally.add(released(7, 0.6), 2000 + rank);
+  tally.add({99, 0, 5, Status::not_released}, 0);
   const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
   CHECK(summary.designs() == 4 * ranks);
   CHECK(summary.statuses[static_cast<std::size_t>(Status::released)] == 3 * ranks);
@@ -38,7 +38,7 @@ TEST_CASE("The optimum is the fastest of all ranks, and of equals the first in t
 TEST_CASE("An optimum that only one rank has seen is known to all") {
   Tally tally;
   if (mpi::rank(MPI_COMM_WORLD) == mpi::size(MPI_COMM_WORLD) - 1)
-    tally.add(released_at(0.9), 0, 5);  // even a shot of 0 m/s
+    tally.add(released(0, 0.9), 5);  // even a shot of 0 m/s
   const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
   REQUIRE(summary.optimum);
   CHECK(summary.optimum->release_time == 0.9);
@@ -46,7 +46,7 @@ TEST_CASE("An optimum that only one rank has seen is known to all") {
 
 TEST_CASE("Without a release there is no optimum, and the text says so") {
   Tally tally;
-  tally.add({Status::non_finite, {}, 1}, 0, 0);
+  tally.add({0, 0, 1, Status::non_finite}, 0);
   const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
   CHECK_FALSE(summary.optimum);
   CHECK_THAT(to_text(summary, Job{}, 2), contains("non_finite") && contains("optimum   none"));

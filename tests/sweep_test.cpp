@@ -21,7 +21,7 @@ Job coarse_job(const TemporaryFile& file) {
   return job;
 }
 
-SweepOptions quiet(const Index3& tile_edge = {16, 16, 16}) {
+SweepOptions quiet(const std::optional<Index3>& tile_edge = {}) {
   SweepOptions options;
   options.progress = ProgressStyle::none;
   options.tile_edge = tile_edge;
@@ -57,10 +57,11 @@ TEST_CASE("Every cell of a sweep is, to the bit, its design integrated alone") {
               REQUIRE(status[cell] == 0);
               continue;
             }
-            const Motion<double> motion(job.scene, lattice.design({a, b, c}));
-            const auto alone = swing<Steppers<double>::Dopri5>(motion, job.solver, Unobserved{});
-            REQUIRE(same_bits(speed[cell], motion.speed(alone.end.x)));
-            REQUIRE(same_bits(time[cell], alone.end.t));
+            const Design<double> design = lattice.design({a, b, c});
+            Shot alone;
+            integrate(job.scene, job.solver, {&design, 1}, {&alone, 1});
+            REQUIRE(same_bits(speed[cell], alone.speed));
+            REQUIRE(same_bits(time[cell], alone.release_time));
             REQUIRE(status[cell] == static_cast<double>(alone.status));
             best = std::max(best, speed[cell]);
           }

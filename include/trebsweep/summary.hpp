@@ -9,8 +9,8 @@
 #include <string>
 
 #include "trebsweep/job.hpp"
+#include "trebsweep/kernel.hpp"
 #include "trebsweep/lattice.hpp"
-#include "trebsweep/swing.hpp"
 
 namespace trebsweep {
 
@@ -25,6 +25,7 @@ struct Optimum {
 struct Summary {
   std::array<std::uint64_t, status_names.size()> statuses{};  ///< designs of each Status
   std::uint64_t steps = 0;                                    ///< tried over all swings
+  std::uint64_t lane_steps = 0;                               ///< made by lanes, idle ones too
   std::optional<Optimum> optimum;                             ///< none if nothing was released
   double integration_seconds = 0;                             ///< the slowest rank's
   double sweep_seconds = 0;  ///< integration and writing, the slowest rank's
@@ -35,14 +36,13 @@ struct Summary {
 /// What one rank has seen so far.
 struct Tally {
   std::array<std::uint64_t, status_names.size()> statuses{};
-  std::uint64_t steps = 0;
+  std::uint64_t steps = 0, lane_steps = 0;
   double best_speed = -1;
   double best_time = -1;
   std::uint64_t best_cell = std::numeric_limits<std::uint64_t>::max();
 
-  /// Adds a design's outcome; `cell` is its number in the lattice's box, which decides between
-  /// equals.
-  void add(const Outcome<double>& outcome, double speed, std::uint64_t cell);
+  /// Adds a design's shot; `cell` is its number in the lattice's box, which decides between equals.
+  void add(const Shot& shot, std::uint64_t cell);
 };
 
 /// The sum of what all ranks have seen, on all ranks; collective. The times are left for the

@@ -16,8 +16,8 @@ namespace trebsweep {
 struct SweepOptions {
   bool overwrite = false;  ///< replace an archive, or the partial of one, that is there
   ProgressStyle progress = ProgressStyle::automatic;
-  std::string command;           ///< as typed, for the archive's history
-  Index3 tile_edge{16, 16, 16};  ///< largest extent of a tile
+  std::string command;                   ///< as typed, for the archive's history
+  std::optional<Index3> tile_edge = {};  ///< largest extent of a tile, else chosen for the lattice
 };
 
 /// Integrates every design of the job's lattice and writes the archive; collective. The summary is

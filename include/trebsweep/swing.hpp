@@ -1,162 +1,445 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <limits>
-#include <string_view>
+#include <utility>
 
 #include "trebsweep/release.hpp"
 #include "trebsweep/solver.hpp"
+#include "trebsweep/status.hpp"
 #include "trebsweep/stepper.hpp"
 
 namespace trebsweep {
 
-/// What became of a design, as stored in the status map; 0 is the map's fill value.
-enum class Status : std::uint8_t {
-  outside_lattice,    ///< no design of the lattice
-  released,           ///< a shot
-  not_released,       ///< the time limit came first
-  unreachable_start,  ///< r1 < |h - h0|: the arm cannot hold the counterweight at its height
-  step_budget,        ///< max-steps were tried before the release or the time limit
-  step_underflow,     ///< the tolerance asked for a step too short to advance the clock
-  non_finite          ///< the state overflowed or became undefined
-};
-
-/// Names of the statuses, in the order of their values.
-inline constexpr std::array<std::string_view, 7> status_names{
-    "outside_lattice", "released",       "not_released", "unreachable_start",
-    "step_budget",     "step_underflow", "non_finite"};
-
 /// How a swing ended.
-template <class T>
+template <class Number>
 struct Outcome {
   Status status;
-  Instant<T> end;       ///< the release, or the last moment reached
+  Number t;             ///< s: the release, or the last moment reached
+  State<Number> x;      ///< the state there
+  Number speed;         ///< m/s; of a release only
   std::uint64_t steps;  ///< steps tried
 };
 
 /// An observer that looks at nothing.
 struct Unobserved {
-  template <class... Arguments>
-  void operator()(const Arguments&...) const {}
+  template <class T>
+  void operator()(const Instant<T>&, const Instant<T>&) const {}
 };
 
+/// Whether a sum of finite numbers, none near the largest, has only such terms.
 template <class T>
-bool is_finite(const Instant<T>& at) {
-  using std::isfinite;
-  for (std::size_t i = 0; i < at.x.size(); ++i)
-    if (!isfinite(at.x[i]) || !isfinite(at.dxdt[i])) return false;
-  return true;
+auto is_finite_sum(const T& sum) {
+  return T(sum - sum) <= T(0);  // NaN for infinity and NaN
 }
 
-/// The largest error of a step in units of what the tolerance allows, in the measure of Odeint's
-/// default_error_checker; infinite where the step's end or error is not finite. Odeint's own test
-/// lets NaN pass: its comparisons with NaN are all false.
+/// A step's error beside what the tolerance allows, in the measure of Odeint's
+/// default_error_checker; the step is good where error <= allowed.
 template <class T>
-T error_ratio(const Instant<T>& from, const Instant<T>& to, const State<T>& error,
-              const T& tolerance) {
+struct ErrorRatio {
+  T error, allowed;
+};
+
+/// The largest error of a step in units of the allowed one. Where the step's end or error is not
+/// finite, NaN, so that the step is not good; Odeint's own test lets NaN pass.
+template <class T>
+ErrorRatio<T> error_ratio(const Instant<T>& from, const Instant<T>& to, const State<T>& error,
+                          const T& h, double tolerance) {
   using std::abs;
-  using std::isfinite;
-  if (!is_finite(to)) return std::numeric_limits<T>::infinity();
-  const T h = to.t - from.t;
-  T largest = 0;
-  for (std::size_t i = 0; i < error.size(); ++i) {
-    const T scale = T(1) + abs(from.x[i]) + abs(h * from.dxdt[i]);
-    const T ratio = abs(error[i]) / (tolerance * scale);
-    if (!isfinite(ratio)) return std::numeric_limits<T>::infinity();
-    if (ratio > largest) largest = ratio;
-  }
-  return largest;
+  using Number = typename Lanes<T>::Number;
+  const auto ratio = [&](std::size_t i) {
+    return ErrorRatio<T>{abs(error[i]), h * abs(from.dxdt[i]) + T(T(1) + abs(from.x[i]))};
+  };
+  // The larger of two ratios over a common denominator: a division is the dearest operation.
+  const auto larger = [](const ErrorRatio<T>& a, const ErrorRatio<T>& b) {
+    const T p = a.error * b.allowed, q = b.error * a.allowed;
+    return ErrorRatio<T>{select(p < q, q, p), a.allowed * b.allowed};
+  };
+  const auto [largest, scale] = larger(larger(ratio(0), ratio(1)), larger(ratio(2), ratio(3)));
+  T sum = 0;
+  for (std::size_t i = 0; i < 4; ++i) sum += T(T(to.x[i] + to.dxdt[i]) + error[i]);
+  const T nan = std::numeric_limits<Number>::quiet_NaN();
+  return {select(is_finite_sum(sum), largest, nan), T(tolerance) * scale};
 }
 
-/// By how much to change the step after an error_ratio: the usual law (Hairer, Norsett and Wanner,
+/// By how much to change the step after an ErrorRatio: the usual law (Hairer, Norsett and Wanner,
 /// Solving Ordinary Differential Equations I, II.4), between a fifth and five times.
 template <class T>
-T step_factor(const T& error_ratio, int error_order) {
-  using std::pow;
-  const T factor = T(0.9) * pow(error_ratio, T(-1) / T(error_order + 1));
-  return factor < T(0.2) ? T(0.2) : factor > T(5) ? T(5) : factor;
+T step_factor(const ErrorRatio<T>& ratio, int error_order) {
+  const T factor = T(error_order < 6 ? 0.9 : 0.8) *
+                   rough_power(ratio.error, ratio.allowed, -1.0 / (error_order + 1));
+  const T low = 0.2, high = 5;
+  // Written so that NaN, of a step that was not finite, makes the next one short.
+  return select(factor > low, select(factor < high, factor, high), low);
 }
 
-/// The paper's rule: whether a step's end lies inside the window around pi.
-template <class T>
-bool is_inside_window(const Instant<T>& at, const T& window) {
+/// The paper's rule: whether phi1 lies inside the window around pi.
+template <class Number>
+bool is_inside_window(const Number& angle, const Number& window) {
   using std::abs;
-  return abs(boost::math::constants::pi<T>() - at.x[phi1]) < window;
+  return abs(Number(boost::math::constants::pi<Number>() - angle)) < window;
 }
 
-/// What became of a step that was tried.
-enum class Trial { accepted, rejected, too_short, non_finite };
-
-/// Tries the next step, the `steps`-th of its swing, and sets the length `h` of the one after it.
-template <class Stepper, class T>
-Trial try_step(Stepper& stepper, const Motion<T>& motion, const Solver& solver,
-               const Instant<T>& now, std::uint64_t steps, T& h, Instant<T>& next) {
-  State<T> error;
-  if constexpr (is_adaptive<Stepper>) {
-    const T max_time(solver.max_time);
-    const bool reaches_end = now.t + h >= max_time;
-    if (reaches_end) h = max_time - now.t;
-    next = advance(stepper, motion, now, h, error);
-    const T ratio = error_ratio(now, next, error, T(solver.tolerance));
-    h *= step_factor(ratio, stepper.error_order());
-    if (ratio <= T(1)) {
-      if (reaches_end) next.t = max_time;
-      return Trial::accepted;
-    }
-    // Too short: it would not move the clock on; near t = 0, the first try stands for the time.
-    const T clock = now.t > T(solver.time_step) ? now.t : T(solver.time_step);
-    if (h >= std::numeric_limits<T>::epsilon() * clock) return Trial::rejected;
-    return is_finite(next) ? Trial::too_short : Trial::non_finite;
-  } else {
-    next = advance(stepper, motion, now, h, error);
-    next.t = T(steps) * h;  // counted, so that it carries no sum of roundings
-    return is_finite(next) ? Trial::accepted : Trial::non_finite;
-  }
-}
-
-/// Integrates one design from rest to its release, or to the reason why there is none.
+/// Integrates designs from rest to their release, or to the reason why there is none: as many at a
+/// time as T has lanes, each with a time and a step of its own. A lane whose swing has ended takes
+/// the next design.
 ///
-/// `observe(from, to, at)` sees every accepted step, the last one cut at the release; at(t) is the
-/// Instant at a time within the step.
-template <class Stepper, class T, class Observe>
-Outcome<T> swing(const Motion<T>& motion, const Solver& solver, Observe&& observe) {
-  Stepper stepper;
-  Instant<T> now{T(0), motion.start(), {}};
-  motion(now.x, now.dxdt, now.t);
-  if (!is_finite(now)) return {Status::non_finite, now, 0};
+/// next(design) sets the next design, or returns false if there is none. done(number, outcome)
+/// takes the outcomes, in any order; designs are numbered as they came. observe(from, to) sees
+/// every accepted step, the last one cut at the release; it needs a T of one lane.
+template <class Stepper, class T, class Next, class Done, class Observe = Unobserved>
+class Swings {
+ public:
+  Swings(const Scene& scene, const Solver& solver, Next next, Done done, Observe observe = {})
+      : scene_(scene), solver_(solver), next_(next), done_(done), observe_(observe) {}
 
-  const auto at = [&](const T& t) {
-    State<T> error;
-    return advance(stepper, motion, now, T(t - now.t), error);
+  /// Integrates all designs. Returns how many steps lanes have made, idle lanes included.
+  std::uint64_t run() {
+    for (std::size_t lane = 0; lane < lanes; ++lane) refill(lane);
+    while (active_ != 0) step();
+    land();
+    return tried_ * lanes;
+  }
+
+ private:
+  using Number = typename Lanes<T>::Number;
+  using Set = std::uint32_t;  // of lanes, a bit for each
+  static constexpr std::size_t lanes = Lanes<T>::count;
+  static constexpr bool adaptive = is_adaptive<Stepper>;
+  static_assert(lanes == 1 || std::is_same_v<Observe, Unobserved>);
+
+  /// A swing under way: one in every lane.
+  struct Flight {
+    Motion<T> motion;
+    Instant<T> now;
+    T h;  // the next step's length; fixed steppers have the same for all
   };
-  const T max_time(solver.max_time);
-  const T latest =
-      max_time * (T(1) + 4 * std::numeric_limits<T>::epsilon());  // counted steps round
-  T h(solver.time_step);
-  std::uint64_t steps = 0;
-  while (now.t < max_time) {
-    if (steps == solver.max_steps) return {Status::step_budget, now, steps};
-    Instant<T> next;
-    const Trial trial = try_step(stepper, motion, solver, now, ++steps, h, next);
-    if (trial == Trial::rejected) continue;
-    if (trial == Trial::too_short) return {Status::step_underflow, now, steps};
-    if (trial == Trial::non_finite) return {Status::non_finite, now, steps};
-    if (solver.release == Release::crossing) {
-      const auto release = release_between(stepper, motion, now, next);
-      if (release && !is_finite(*release)) return {Status::non_finite, now, steps};
-      if (release && release->t <= latest) {
-        observe(now, *release, at);
-        return {Status::released, *release, steps};
+
+  /// A swing whose last step has met the release.
+  struct Shot {
+    Motion<T> motion;
+    Instant<T> from, to;
+  };
+
+  /// Who is in a lane.
+  struct Label {
+    std::uint64_t number;
+    std::uint64_t steps;  // of a flight: tried by all when it began; of a shot: tried by it
+  };
+
+  void step() {
+    Instant<T> to;
+    State<T> error;
+    ++tried_;
+    if constexpr (adaptive) {
+      const T left = max_time_ - flight_.now.t;
+      const auto last = left <= flight_.h;
+      const T h = select(last, left, flight_.h);
+      advance(stepper_, flight_.motion, flight_.now, h, to, error);
+      to.t = select(last, max_time_, to.t);
+      const auto ratio = error_ratio(flight_.now, to, error, h, solver_.tolerance);
+      const auto accepted = ratio.error <= ratio.allowed;
+      flight_.h = h * step_factor(ratio, stepper_.error_order());
+      const auto turned = (flight_.now.x[w1] > T(0)) & (to.x[w1] < T(0));
+      const Set special = lanes_of((!(to.x[phi1] < watched_angle_)) | turned | (to.t >= max_time_) |
+                                   (flight_.h < shortest_step_));
+      Set ended = attend(special, lanes_of(accepted), to);
+      if constexpr (lanes == 1) {
+        if (accepted && ended == 0) observe_(flight_.now, to);
+      }
+      flight_.now.t = select(accepted, to.t, flight_.now.t);
+      for (std::size_t i = 0; i < 4; ++i) {
+        flight_.now.x[i] = select(accepted, to.x[i], flight_.now.x[i]);
+        flight_.now.dxdt[i] = select(accepted, to.dxdt[i], flight_.now.dxdt[i]);
+      }
+      for (; ended != 0; ended &= ended - 1) refill(first_of(ended));
+    } else {
+      advance(stepper_, flight_.motion, flight_.now, flight_.h, to, error);
+      // Not below the angle: NaN is seen too.
+      Set special = lanes_of(!(to.x[phi1] < watched_angle_));
+      if (solver_.release == Release::crossing)
+        special |= lanes_of((flight_.now.x[w1] > T(0)) & (to.x[w1] < T(0)));
+      Set ended = attend(special, ~Set{0}, to);
+      if constexpr (lanes == 1) {
+        if (ended == 0) observe_(at_step(flight_.now, 1), at_step(to, 0));
+      }
+      for (std::size_t i = 0; i < 4; ++i) {
+        flight_.now.x[i] = to.x[i];
+        flight_.now.dxdt[i] = to.dxdt[i];
+      }
+      for (; ended != 0; ended &= ended - 1) refill(first_of(ended));
+    }
+  }
+
+  static std::size_t first_of(Set set) { return static_cast<std::size_t>(std::countr_zero(set)); }
+
+  /// The lanes of `special`, and those whose time has come, that have ended their swing.
+  Set attend(Set special, Set accepted, const Instant<T>& to) {
+    if (tried_ >= next_check_) special |= overdue();
+    special &= active_;
+    if (special == 0) [[likely]]
+      return 0;
+    Instant<T> end = to;  // a copy, so that `to` itself may stay in registers
+    return settle(special, accepted, end);
+  }
+
+  /// The lanes whose steps are used up.
+  Set overdue() {
+    Set set = 0;
+    next_check_ = std::numeric_limits<std::uint64_t>::max();
+    for (Set left = active_; left != 0; left &= left - 1) {
+      const std::size_t lane = first_of(left);
+      if (steps(lane) >= step_limit_)
+        set |= Set{1} << lane;
+      else
+        next_check_ = std::min(next_check_, label_[lane].steps + step_limit_);
+    }
+    return set;
+  }
+
+  std::uint64_t steps(std::size_t lane) const { return tried_ - label_[lane].steps; }
+
+  /// The lanes of `special` that have ended their swing; their outcomes are on their way.
+  [[gnu::noinline]] Set settle(Set special, Set accepted, Instant<T>& to) {
+    if constexpr (!adaptive) set_times(special, to);
+    Set ended = 0;
+    if (solver_.release == Release::crossing) look_for_turns(special & accepted, to);
+    for (; special != 0; special &= special - 1) {
+      const std::size_t lane = first_of(special);
+      if (ends(lane, (accepted >> lane & 1) != 0, to)) ended |= Set{1} << lane;
+    }
+    return ended;
+  }
+
+  /// Whether the swing in a lane has ended with this step.
+  bool ends(std::size_t lane, bool accepted, const Instant<T>& to) {
+    const auto end = [&](Status status, const Instant<T>& at) {
+      deliver(label_[lane].number, status, at, lane, Number(0), steps(lane));
+      return true;
+    };
+    if (!is_finite(to, lane) && (!adaptive || is_hopeless(lane)))
+      return end(Status::non_finite, flight_.now);
+    if (accepted) {
+      const Number t = get_lane(to.t, lane);
+      const bool late = t > latest_;
+      if (is_released(lane, to) && !(late && solver_.release == Release::window)) {
+        shoot(lane, to);
+        return true;
+      }
+      if (late) return end(Status::not_released, flight_.now);
+      if (t >= Number(solver_.max_time)) return end(Status::not_released, to);
+    } else if (is_hopeless(lane)) {
+      return end(Status::step_underflow, flight_.now);
+    }
+    if (steps(lane) >= solver_.max_steps)
+      return end(Status::step_budget, accepted ? to : flight_.now);
+    return false;
+  }
+
+  bool is_released(std::size_t lane, const Instant<T>& to) const {
+    const Number angle = get_lane(to.x[phi1], lane);
+    if (solver_.release == Release::window)
+      return is_inside_window(angle, Number(solver_.release_window));
+    const Number pi = boost::math::constants::pi<Number>();
+    // Beyond it already, or at rest there from the start, is no crossing.
+    return angle >= pi && get_lane(flight_.now.x[phi1], lane) < pi;
+  }
+
+  /// Whether the next step of an adaptive stepper would not move the clock on; near t = 0, the
+  /// first try stands for the time.
+  bool is_hopeless(std::size_t lane) const {
+    const Number clock = std::max<Number>(get_lane(flight_.now.t, lane), solver_.time_step);
+    return adaptive && get_lane(flight_.h, lane) < std::numeric_limits<Number>::epsilon() * clock;
+  }
+
+  static bool is_finite(const Instant<T>& at, std::size_t lane) {
+    Number sum = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      sum += Number(get_lane(at.x[i], lane) + get_lane(at.dxdt[i], lane));
+    return is_finite_sum(sum);
+  }
+
+  /// The times of a fixed stepper: counted steps, so that they carry no sum of roundings.
+  void set_times(Set set, Instant<T>& to) {
+    for (; set != 0; set &= set - 1) {
+      const std::size_t lane = first_of(set);
+      set_lane(flight_.now.t, lane, time_of(steps(lane) - 1));
+      set_lane(to.t, lane, time_of(steps(lane)));
+    }
+  }
+
+  Number time_of(std::uint64_t step) const { return Number(step) * Number(solver_.time_step); }
+
+  /// A fixed stepper's instant, `back` steps before the last one.
+  Instant<T> at_step(Instant<T> at, std::uint64_t back) const {
+    at.t = time_of(steps(0) - back);
+    return at;
+  }
+
+  /// Where the arm has turned back within the step, perhaps from beyond pi, the step's end becomes
+  /// the turning point.
+  void look_for_turns(Set set, Instant<T>& to) {
+    const T pi = boost::math::constants::pi<Number>();
+    // No further than this can it have come.
+    const T reach = flight_.now.x[phi1] + T(to.t - flight_.now.t) * T(flight_.now.x[w1] - to.x[w1]);
+    set &= lanes_of((flight_.now.x[phi1] < pi) & (to.x[phi1] < pi) & (reach >= pi) &
+                    (flight_.now.x[w1] > T(0)) & (to.x[w1] < T(0)));
+    if (set == 0) return;
+    const Instant<T> turn = turn_between(stepper_, flight_.motion, flight_.now, to);
+    for (; set != 0; set &= set - 1) {
+      const std::size_t lane = first_of(set);
+      if (get_lane(turn.x[phi1], lane) >= boost::math::constants::pi<Number>())
+        copy_lane<T>(to, lane, turn, lane);
+    }
+  }
+
+  /// Puts a lane's swing among the shots that wait to land together.
+  void shoot(std::size_t lane, const Instant<T>& to) {
+    copy_lane<T>(shot_.motion, shots_, flight_.motion, lane);
+    copy_lane<T>(shot_.to, shots_, to, lane);
+    if (solver_.release == Release::crossing) copy_lane<T>(shot_.from, shots_, flight_.now, lane);
+    shot_label_[shots_] = {label_[lane].number, steps(lane)};
+    if (++shots_ == lanes) land();
+  }
+
+  /// Finds the releases of the shots that wait.
+  [[gnu::noinline]] void land() {
+    if (shots_ == 0) return;
+    for (std::size_t lane = shots_; lane < lanes; ++lane) copy_lane<T>(shot_, lane, shot_, 0);
+    if (solver_.release == Release::crossing)
+      shot_.to = release_between(stepper_, shot_.motion, shot_.from, shot_.to);
+    const T speed = shot_.motion.speed(shot_.to.x);
+    for (std::size_t lane = 0; lane < shots_; ++lane) {
+      const auto [number, tried] = shot_label_[lane];
+      const Status status = !is_finite(shot_.to, lane)             ? Status::non_finite
+                            : get_lane(shot_.to.t, lane) > latest_ ? Status::not_released
+                                                                   : Status::released;
+      deliver(number, status, shot_.to, lane, get_lane(speed, lane), tried);
+      if constexpr (lanes == 1) {
+        if (status == Status::released && solver_.release == Release::crossing)
+          observe_(shot_.from, shot_.to);
+        else if (status == Status::released)
+          observe_(at_step(shot_.to, 1), shot_.to);
       }
     }
-    if (next.t > latest) break;  // a fixed step may end behind the time limit
-    observe(now, next, at);
-    now = next;
-    if (solver.release == Release::window && is_inside_window(now, T(solver.release_window)))
-      return {Status::released, now, steps};
+    shots_ = 0;
   }
-  return {Status::not_released, now, steps};
+
+  void deliver(std::uint64_t number, Status status, const Instant<T>& at, std::size_t lane,
+               const Number& speed, std::uint64_t tried) {
+    Outcome<Number> outcome{status, get_lane(at.t, lane), {}, speed, tried};
+    for (std::size_t i = 0; i < 4; ++i) outcome.x[i] = get_lane(at.x[i], lane);
+    done_(number, outcome);
+  }
+
+  /// Gives a lane the next design; leaves it idle if there is none.
+  void refill(std::size_t lane) {
+    if (fresh_ == prepared_) prepare();
+    if (fresh_ == prepared_) {
+      active_ &= ~(Set{1} << lane);
+      return;
+    }
+    copy_lane<T>(flight_, lane, start_, fresh_);
+    label_[lane] = {start_number_[fresh_], tried_};
+    active_ |= Set{1} << lane;
+    ++fresh_;
+  }
+
+  /// Prepares the starts of the next designs, a lane for each.
+  [[gnu::noinline]] void prepare() {
+    fresh_ = prepared_ = 0;
+    Design<T> design{1, 1, 1};
+    Design<double> one;
+    while (prepared_ < lanes && next_(one)) {
+      const std::uint64_t number = designs_++;
+      if (!start_is_reachable(scene_, one.r1)) {
+        done_(number, {Status::unreachable_start, Number(0), {}, Number(0), 0});
+        continue;
+      }
+      set_lane(design.r1, prepared_, Number(one.r1));
+      set_lane(design.r3, prepared_, Number(one.r3));
+      set_lane(design.r2, prepared_, Number(one.r2));
+      start_number_[prepared_++] = number;
+    }
+    if (prepared_ == 0) return;
+    start_.motion = Motion<T>(scene_, design);
+    start_.now.t = T(0);
+    start_.now.x = start(scene_, design);
+    start_.motion(start_.now.x, start_.now.dxdt, start_.now.t);
+    start_.h = first_step(start_.now);
+  }
+
+  /// The step to begin with: a fixed stepper's own; of an adaptive one, so long that the rates at
+  /// rest would change the state by a hundredth, were the error that part of the step which its
+  /// order makes it (Hairer, Norsett and Wanner, II.4, without their second evaluation).
+  T first_step(const Instant<T>& at) const {
+    using std::abs;
+    if constexpr (!adaptive) return T(Number(solver_.time_step));
+    const T a = abs(at.dxdt[w1]), b = abs(at.dxdt[w2]);
+    const T rate = select(a < b, b, a);
+    return rough_power(T(0.01 * solver_.tolerance), rate, 1.0 / (stepper_.order() + 1));
+  }
+
+  /// How many steps a swing may try before it is looked at.
+  static std::uint64_t step_limit(const Solver& solver) {
+    if (adaptive) return solver.max_steps;
+    const double steps = std::ceil(solver.max_time / solver.time_step * (1 - 4e-16));
+    return steps < static_cast<double>(solver.max_steps)
+               ? std::max<std::uint64_t>(1, static_cast<std::uint64_t>(steps))
+               : solver.max_steps;
+  }
+
+  const Scene scene_;
+  const Solver solver_;
+  Next next_;
+  Done done_;
+  Observe observe_;
+  Stepper stepper_;
+
+  const T max_time_ = Number(solver_.max_time);
+  // Counted steps round.
+  const Number latest_ =
+      Number(solver_.max_time) * Number(1 + 4 * std::numeric_limits<double>::epsilon());
+  const T shortest_step_ = std::numeric_limits<Number>::epsilon() *
+                           std::max<Number>(solver_.max_time, solver_.time_step);
+  const T watched_angle_ =
+      boost::math::constants::pi<Number>() -
+      Number(solver_.release == Release::window ? solver_.release_window * (1 + 1e-9) : 0);
+  const std::uint64_t step_limit_ = step_limit(solver_);
+
+  Flight flight_{};
+  std::array<Label, lanes> label_{};
+  Set active_ = 0;
+  std::uint64_t tried_ = 0;
+  std::uint64_t next_check_ = step_limit_;
+
+  Shot shot_{};
+  std::array<Label, lanes> shot_label_{};
+  std::size_t shots_ = 0;
+
+  Flight start_{};
+  std::array<std::uint64_t, lanes> start_number_{};
+  std::size_t fresh_ = 0, prepared_ = 0;
+  std::uint64_t designs_ = 0;
+};
+
+/// Integrates one design; see Swings.
+template <class Stepper, class T, class Observe = Unobserved>
+Outcome<T> swing(const Scene& scene, const Design<double>& design, const Solver& solver,
+                 Observe&& observe = {}) {
+  Outcome<T> outcome{};
+  bool given = false;
+  const auto next = [&](Design<double>& d) {
+    d = design;
+    return !std::exchange(given, true);
+  };
+  const auto done = [&](std::uint64_t, const Outcome<T>& o) { outcome = o; };
+  Swings<Stepper, T, decltype(next), decltype(done), Observe&>(scene, solver, next, done, observe)
+      .run();
+  return outcome;
 }
 
 }  // namespace trebsweep
