@@ -99,6 +99,28 @@ TEST_CASE("What was not written is the fill value, and not marked done") {
   }
 }
 
+TEST_CASE("Chunks wholly outside the lattice are never allocated") {
+  const Lattice lattice = small_lattice();
+  const Tiling tiling(lattice, {4, 3, 5});
+  for (const int compression : {0, 1}) {
+    const TemporaryFile file("archive_chunks");
+    Archive archive(file.path(), lattice, tiling, two_maps(MapType::float64), compression,
+                    MPI_COMM_WORLD);
+    write_all(archive, lattice, tiling);
+    archive.finish();
+    if (mpi::rank(MPI_COMM_WORLD) == 0) {
+      const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+      const hdf5::Dataset map(H5Dopen2(opened, "number", H5P_DEFAULT), "open");
+      hsize_t chunks = 0;
+      const hdf5::Dataspace space(H5Dget_space(map), "count chunks");
+      hdf5::check(H5Dget_num_chunks(map, space, &chunks), "count chunks");
+      CHECK(chunks == tiling.size());
+      const Index3 n = lattice.extent();
+      CHECK(chunks < ((n[0] + 3) / 4) * ((n[1] + 2) / 3) * ((n[2] + 4) / 5));
+    }
+  }
+}
+
 TEST_CASE("A file that is no archive holds no job") {
   CHECK_FALSE(archived_job("/nowhere.h5"));
   CHECK_FALSE(archived_job(SOURCE_DIR "/CMakeLists.txt"));

@@ -53,7 +53,7 @@ class Archive {
 
   template <class Value>
   void attribute(const std::string& name, const Value& value) {
-    hdf5::write_attribute(file_, name, value);
+    hdf5::write_attribute(*file_, name, value);
   }
 
   /// Closes the file and gives it its final name.
@@ -65,18 +65,12 @@ class Archive {
     MapType type;
   };
 
-  hdf5::Dataset create_axis(const std::string& name, const std::string& long_name,
-                            const std::vector<double>& values);
-  void create_map(const MapInfo& info, const Lattice& lattice, const Tiling& tiling,
-                  int compression);
-  void create_tile_done(const Tiling& tiling);
   void flush();
 
   std::filesystem::path path_;
   MPI_Comm comm_;
-  hdf5::File file_;
   hdf5::Properties collective_;
-  std::vector<hdf5::Dataset> axes_;
+  std::optional<hdf5::File> file_;
   std::vector<Map> maps_;
   std::optional<hdf5::Dataset> tile_done_;
 };
