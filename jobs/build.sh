@@ -9,7 +9,7 @@ packages=(cmake g++ libboost-dev libboost-program-options-dev libfmt-dev libhdf5
 options=(-DTREBSWEEP_TESTS=OFF)
 if [[ ${1:-} == --tests ]]; then
   options=(-DTREBSWEEP_TESTS=ON -DTREBSWEEP_WERROR=ON)
-  packages+=(catch2 python3-h5netcdf python3-netcdf4 python3-xarray)
+  packages+=(catch2 libgsl-dev libsundials-dev python3-h5netcdf python3-netcdf4 python3-xarray)
 fi
 
 install_missing() {

@@ -194,7 +194,7 @@ std::vector<Key> make_keys() {
           [](auto& job) -> auto& { return job.lattice.r2; }),
       stepper_key(),
       number(
-          "solver.time-step", "a fixed stepper's step, an adaptive one's first try, s", positive,
+          "solver.time-step", "a fixed stepper's step, s; adaptive ones find their own", positive,
           [](auto& job) -> auto& { return job.solver.time_step; }),
       number(
           "solver.tolerance", "error allowed in one adaptive step, absolute and relative",

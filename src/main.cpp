@@ -8,6 +8,7 @@
 
 #include "trebsweep/command_line.hpp"
 #include "trebsweep/error.hpp"
+#include "trebsweep/kernel.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/sweep.hpp"
 #include "trebsweep/trace.hpp"
@@ -40,7 +41,9 @@ void run(int argc, char** argv) {
   const CommandLine line = parse_command_line(argc, argv);
   const bool root = mpi::rank(MPI_COMM_WORLD) == 0;
   if (line.command == Command::help || line.command == Command::version) {
-    if (root) fmt::print("{}", line.command == Command::help ? line.help : version_text() + "\n");
+    if (root && line.command == Command::help) fmt::print("{}", line.help);
+    if (root && line.command == Command::version)
+      fmt::print("{}\nkernel: {}\n", version_text(), instruction_set());
     return;
   }
   const std::string text =

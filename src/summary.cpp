@@ -13,6 +13,10 @@ std::uint64_t Summary::designs() const {
   return std::accumulate(statuses.begin(), statuses.end(), std::uint64_t{0});
 }
 
+double Summary::utilisation() const {
+  return lane_steps == 0 ? 0 : static_cast<double>(steps) / static_cast<double>(lane_steps);
+}
+
 void Tally::add(const Shot& shot, std::uint64_t cell) {
   ++statuses[static_cast<std::size_t>(shot.status)];
   steps += shot.steps;
@@ -56,7 +60,8 @@ std::string to_text(const Summary& summary, const Job& job, int ranks) {
         best->design.r1, best->design.r2, best->design.r3, best->release_time);
   else
     text += "optimum   none: nothing was released\n";
-  text += fmt::format("steps     {}\n", summary.steps);
+  text += fmt::format("steps     {}, lanes {:.1f} % at work\n", summary.steps,
+                      100 * summary.utilisation());
   text += fmt::format("seconds   {:.2f} ({:.2f} integrating) on {} {}\n", summary.sweep_seconds,
                       summary.integration_seconds, ranks, ranks == 1 ? "rank" : "ranks");
   return text + fmt::format("archive   {}\n", job.output.file);

@@ -159,6 +159,7 @@ void describe(Archive& archive, const Summary& summary) {
   archive.attribute("best_release_time", optimum.release_time);
   archive.attribute("designs", static_cast<unsigned long long>(summary.designs()));
   archive.attribute("steps", static_cast<unsigned long long>(summary.steps));
+  archive.attribute("lane_utilisation", summary.utilisation());
   archive.attribute("integration_seconds", summary.integration_seconds);
   archive.attribute("sweep_seconds", summary.sweep_seconds);
 }

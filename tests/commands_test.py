@@ -36,10 +36,11 @@ class CommandTest(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def run_program(self, *arguments, ranks=None, code=0):
+    def run_program(self, *arguments, ranks=None, code=0, environment=None):
         launcher = [MPIEXEC, "-n", str(ranks)] if ranks else []
         done = subprocess.run([*launcher, PROGRAM, *arguments], cwd=self.folder, text=True,
-                              capture_output=True, timeout=120, check=False)
+                              capture_output=True, timeout=120, check=False,
+                              env={**os.environ, **(environment or {})})
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done
 
@@ -67,7 +68,8 @@ class Help(CommandTest):
     def test_help_and_version_go_to_stdout(self):
         for arguments in (["--help"], ["sweep", "--help"], ["trace", "--help"]):
             self.assertIn("trebsweep", self.run_program(*arguments).stdout)
-        self.assertRegex(self.run_program("--version").stdout, r"^trebsweep \d+\.\d+\.\d+ \(.+\)\n$")
+        self.assertRegex(self.run_program("--version").stdout,
+                         r"^trebsweep \d+\.\d+\.\d+ \(.+\)\nkernel: .+ \(\d lanes\)\n$")
 
 
 class Output(CommandTest):
@@ -160,6 +162,23 @@ class Sweep(CommandTest):
                     for field in ("speed", "release_time", "status"):
                         self.assertEqual(alone[field][...].tobytes(), other[field][...].tobytes())
                     self.assertEqual(alone.attrs["best_speed"], other.attrs["best_speed"])
+
+    def test_maps_are_bitwise_the_same_with_avx2_and_avx512(self):
+        kernels = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            if "avx512dq" not in file.read():
+                self.skipTest("this machine lacks AVX-512")
+        for stepper in ("euler", "rk4", "cash_karp54", "dopri5", "fehlberg78"):
+            maps = []
+            for level, name in (("x86-64-v3", "AVX2"), ("x86-64-v4", "AVX-512")):
+                environment = {"LD_LIBRARY_PATH": os.path.join(kernels, level)}
+                self.assertIn(name, self.run_program("--version", environment=environment).stdout)
+                self.run_program("sweep", self.job, *COARSE, "--solver.stepper", stepper,
+                                 "--output.file", "map.h5", "--overwrite", environment=environment)
+                with h5py.File(self.path("map.h5")) as archive:
+                    maps.append([archive[field][...].tobytes()
+                                 for field in ("speed", "release_time", "status")])
+            self.assertEqual(maps[0], maps[1])
 
     def test_archive_opens_in_xarray(self):
         self.run_program("sweep", self.job, *COARSE, ranks=2)

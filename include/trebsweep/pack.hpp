@@ -248,7 +248,7 @@ inline Pack<R> atan2(const Pack<R>& y, const Pack<R>& x) {
   return angle;
 }
 
-/// (a/b)^e to within a percent, for what is not critical; a / b where both are finite, above zero
+/// (a/b)^e to within two percent, for what is not critical; a / b where both are finite, above zero
 /// and no subnormals.
 template <std::size_t R>
 [[gnu::always_inline]] inline Pack<R> rough_power(const Pack<R>& a, const Pack<R>& b, double e) {

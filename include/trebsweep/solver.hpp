@@ -14,7 +14,7 @@ enum class Release {
 /// How swings are integrated; the defaults are the paper's.
 struct Solver {
   std::string stepper = "euler";  ///< one of stepper_names
-  double time_step = 0.01;        ///< s: a fixed stepper's step, an adaptive one's first try
+  double time_step = 0.01;        ///< s: a fixed stepper's step
   double tolerance = 1e-9;        ///< absolute and relative error allowed in one adaptive step
   Release release = Release::window;
   double release_window = 0.05;       ///< rad

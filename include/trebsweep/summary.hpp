@@ -31,6 +31,9 @@ struct Summary {
   double sweep_seconds = 0;  ///< integration and writing, the slowest rank's
 
   std::uint64_t designs() const;
+
+  /// The share of the lanes' steps that were a design's.
+  double utilisation() const;
 };
 
 /// What one rank has seen so far.

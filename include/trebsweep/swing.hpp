@@ -248,8 +248,8 @@ class Swings {
     return angle >= pi && get_lane(flight_.now.x[phi1], lane) < pi;
   }
 
-  /// Whether the next step of an adaptive stepper would not move the clock on; near t = 0, the
-  /// first try stands for the time.
+  /// Whether the next step of an adaptive stepper would not move the clock on; near t = 0,
+  /// time-step stands for the time.
   bool is_hopeless(std::size_t lane) const {
     const Number clock = std::max<Number>(get_lane(flight_.now.t, lane), solver_.time_step);
     return adaptive && get_lane(flight_.h, lane) < std::numeric_limits<Number>::epsilon() * clock;
