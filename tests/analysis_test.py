@@ -94,7 +94,7 @@ class AnalysisTest(unittest.TestCase):
         done = self.run_script("optimum.py", "accurate.h5", "--job", "accurate-job.cfg")
         self.assertRegex(done.stdout, r"^--r1 [\d.]+ --r3 [\d.]+ --r2 [\d.]+\n$")
         with open(self.path("accurate-job.cfg"), encoding="utf-8") as file:
-            self.assertIn("stepper = dopri5\n", file.read())
+            self.assertIn("stepper = fehlberg78\n", file.read())
 
     def test_what_cannot_be_drawn_is_refused_in_one_line(self):
         for script, arguments, words in (

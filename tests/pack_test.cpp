@@ -119,6 +119,8 @@ TEST_CASE("Outcomes are the same to the bit in packs of one, two and three regis
                  three = integrate_all<3>(solver);
       std::size_t released = 0;
       for (std::size_t i = 0; i < one.size(); ++i) {
+        INFO(name << " " << i << " " << one[i].t << " " << two[i].t << " status "
+                  << static_cast<int>(one[i].status) << static_cast<int>(two[i].status));
         REQUIRE(same_bits(one[i], two[i]));
         REQUIRE(same_bits(one[i], three[i]));
         released += one[i].status == Status::released;

@@ -258,8 +258,8 @@ template <std::size_t R>
     const Bits exponent = (bits >> 52) | std::bit_cast<Bits>(broadcast(0x1p52));
     const Bits fraction = (bits & 0xfffffffffffff) | std::bit_cast<Bits>(broadcast(1));
     const Register m = std::bit_cast<Register>(fraction) - broadcast(1);
-    return std::bit_cast<Register>(exponent) +
-           fma(m, fma(m, broadcast(-0.34), broadcast(1.34)), broadcast(-0x1p52));
+    return (std::bit_cast<Register>(exponent) - broadcast(0x1p52)) +
+           m * fma(m, broadcast(-0.34), broadcast(1.34));
   };
   Pack<R> c;
   for (std::size_t r = 0; r < R; ++r) {

@@ -344,6 +344,7 @@ class Swings {
     }
     copy_lane<T>(flight_, lane, start_, fresh_);
     label_[lane] = {start_number_[fresh_], tried_};
+    next_check_ = std::min(next_check_, tried_ + step_limit_);
     active_ |= Set{1} << lane;
     ++fresh_;
   }
@@ -414,7 +415,7 @@ class Swings {
   std::array<Label, lanes> label_{};
   Set active_ = 0;
   std::uint64_t tried_ = 0;
-  std::uint64_t next_check_ = step_limit_;
+  std::uint64_t next_check_ = std::numeric_limits<std::uint64_t>::max();
 
   Shot shot_{};
   std::array<Label, lanes> shot_label_{};
