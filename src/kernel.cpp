@@ -10,7 +10,7 @@ namespace {
 /// Registers in a pack, as many as measure best: more hide the latency of an operation, but the
 /// stages of a long step outgrow the first cache.
 template <template <class> class Stepper>
-inline constexpr std::size_t registers = 3;
+inline constexpr std::size_t registers = register_lanes == 8 ? 3 : 2;
 template <>
 inline constexpr std::size_t registers<Fehlberg78> = 2;
 
