@@ -110,7 +110,11 @@ double shoot_cvode(const Design<double>& design, double tolerance) {
   Motion<double> motion(Scene{}, design);
   const State<double> at_rest = start(Scene{}, design);
   SUNContext context;
+#if SUNDIALS_VERSION_MAJOR >= 7
+  SUNContext_Create(SUN_COMM_NULL, &context);
+#else
   SUNContext_Create(nullptr, &context);
+#endif
   N_Vector x = N_VNew_Serial(4, context);
   std::copy(at_rest.begin(), at_rest.end(), N_VGetArrayPointer(x));
   void* cvode = CVodeCreate(CV_ADAMS, context);
