@@ -7,12 +7,9 @@
 namespace trebsweep {
 namespace {
 
-/// Registers in a pack, as many as measure best: more hide the latency of an operation, but the
-/// stages of a long step outgrow the first cache.
-template <template <class> class Stepper>
-inline constexpr std::size_t registers = register_lanes == 8 ? 3 : 2;
-template <>
-inline constexpr std::size_t registers<Fehlberg78> = 2;
+/// Registers in a pack: the second hides the first one's latencies, a third would only crowd the
+/// first cache.
+constexpr std::size_t registers = 2;
 
 }  // namespace
 
@@ -43,7 +40,7 @@ inline constexpr std::size_t registers<Fehlberg78> = 2;
                      outcome.status};
   };
   return with_stepper(solver.stepper, [&]<template <class> class Stepper>() {
-    using T = Pack<registers<Stepper>>;
+    using T = Pack<registers>;
     return Swings<Stepper<T>, T, decltype(next), decltype(done)>(scene, solver, next, done).run();
   });
 }

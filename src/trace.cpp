@@ -48,9 +48,7 @@ class Printer {
   /// Prints the last moment, if no row fell on it.
   void finish(const Outcome<double>& outcome) {
     if (row_ > 0 && outcome.t <= printed_) return;
-    Instant<double> end{outcome.t, outcome.x, {}};
-    motion_(end.x, end.dxdt, end.t);
-    print(end);
+    print(instant(motion_, outcome.t, outcome.x));
   }
 
  private:

@@ -43,10 +43,13 @@ double land(const Motion<double>& motion, double h, Step step) {
   return motion.speed(x);
 }
 
+/// Odeint as its manual shows it.
+using PlainDopri5 = odeint::runge_kutta_dopri5<State<double>>;
+
 double shoot_odeint(const Design<double>& design, double tolerance) {
   const Motion<double> motion(Scene{}, design);
   const auto system = std::cref(motion);
-  auto stepper = odeint::make_controlled(tolerance, tolerance, Dopri5<double>());
+  auto stepper = odeint::make_controlled(tolerance, tolerance, PlainDopri5());
   State<double> x = start(Scene{}, design);
   double t = 0, h = 0.01;
   for (;;) {
@@ -56,7 +59,7 @@ double shoot_odeint(const Design<double>& design, double tolerance) {
     }
     if (x[phi1] < pi) continue;
     return land(motion, t - at, [&](double step) {
-      Dopri5<double> plain;  // a new one: it keeps the rates of its last step
+      PlainDopri5 plain;  // a new one: it keeps the rates of its last step
       State<double> to = before;
       plain.do_step(system, to, at, step);
       return to;

@@ -13,8 +13,8 @@ template <class Stepper>
 State<double> integrate(int steps) {
   const Motion<double> motion(Scene{}, {0.51, 0.58, 0.91});
   Stepper stepper;
-  Instant<double> now{0, start<double>(Scene{}, {0.51, 0.58, 0.91}), {}}, to;
-  motion(now.x, now.dxdt, 0);
+  auto now = instant(motion, 0.0, start<double>(Scene{}, {0.51, 0.58, 0.91}));
+  Instant<double> to;
   State<double> error;
   for (int i = 0; i < steps; ++i, now = to)
     advance(stepper, motion, now, end_time / steps, to, error);
@@ -51,14 +51,15 @@ TEST_CASE("A step carries the right-hand side at its end") {
   for (const auto name : stepper_names)
     with_stepper(name, [&]<template <class> class Stepper>() {
       Stepper<double> stepper;
-      Instant<double> from{0.25, {0.4, -0.3, 1, -2}, {}}, to;
-      motion(from.x, from.dxdt, from.t);
+      Instant<double> to;
       State<double> error;
-      advance(stepper, motion, from, 0.125, to, error);
-      State<double> dxdt;
-      motion(to.x, dxdt, to.t);
+      advance(stepper, motion, instant(motion, 0.25, {0.4, -0.3, 1, -2}), 0.125, to, error);
+      const auto same = instant(motion, 0.375, to.x);
       CHECK(to.t == 0.375);
-      CHECK(to.dxdt == dxdt);
+      // An adaptive stepper integrates the directions, up to its error.
+      const double margin = is_adaptive<Stepper<double>> ? 1e-4 : 0;
+      CHECK(distance(to.at, same.at) <= margin);
+      CHECK(distance(to.dxdt, same.dxdt) <= 100 * margin);
     });
 }
 
@@ -70,8 +71,8 @@ TEST_CASE("The error estimate of an adaptive stepper shrinks with its order") {
     with_stepper(name, [&]<template <class> class Stepper>() {
       if constexpr (is_adaptive<Stepper<Real>>) {
         Stepper<Real> stepper;
-        Instant<Real> from{0, {Real(0.4), Real(-0.3), 1, -2}, {}}, to;
-        motion(from.x, from.dxdt, from.t);
+        const auto from = instant<Real>(motion, 0, {Real(0.4), Real(-0.3), 1, -2});
+        Instant<Real> to;
         State<Real> error{}, half{};
         advance(stepper, motion, from, Real(0.02), to, error);
         advance(stepper, motion, from, Real(0.01), to, half);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "trebsweep/scene.hpp"
 #include "trebsweep/sin_cos.hpp"
@@ -16,6 +17,18 @@ enum Coordinate : std::size_t { phi1, phi2, w1, w2 };
 
 template <class T>
 using State = std::array<T, 4>;
+
+/// Sines and cosines of a state's angles.
+enum Direction : std::size_t { sin1, cos1, sin2, cos2 };
+
+template <class T>
+using Directions = std::array<T, 4>;
+
+template <class T>
+Directions<T> directions(const State<T>& x) {
+  const auto a = sin_cos(x[phi1]), b = sin_cos(x[phi2]);
+  return {a.sin, a.cos, b.sin, b.cos};
+}
 
 /// A place in the plane of the swing, in metres; the fulcrum is the origin, y points up.
 template <class T>
@@ -75,18 +88,19 @@ class Motion {
   }
 
   /// The right-hand side: rates of x, with the accelerations of (40) and (36).
-  /// Not inlined: a step that calls it fits into the cache of decoded instructions, six copies do
-  /// not.
-  [[gnu::noinline]] void operator()(const State<T>& x, State<T>& dxdt, const T& /*t*/) const {
-    const auto [sin1, cos1] = sin_cos(x[phi1]);
-    const auto [sin2, cos2] = sin_cos(x[phi2]);
-    // D's sine and cosine from those of phi1 and phi2: two evaluations instead of three.
-    const T sinD = sin1 * cos2 - cos1 * sin2;
-    const T cosD = cos1 * cos2 + sin1 * sin2;
+  void operator()(const State<T>& x, State<T>& dxdt, const T& /*t*/) const {
+    rates(x, directions(x), dxdt);
+  }
+
+  /// The same from the angles' sines and cosines; it does not look at the angles.
+  void rates(std::span<const T, 4> x, std::span<const T, 4> at, State<T>& dxdt) const {
+    // D's sine and cosine from those of phi1 and phi2.
+    const T sinD = at[sin1] * at[cos2] - at[cos1] * at[sin2];
+    const T cosD = at[cos1] * at[cos2] + at[sin1] * at[sin2];
     const T w1w1 = x[w1] * x[w1];
-    const T weight = g_r2_ * sin2;
+    const T weight = g_r2_ * at[sin2];
     const T whirl = w1w1 * cosD + r3_r2_ * x[w2] * x[w2];
-    const T numerator = torque_ * sin1 + T(weight * cosD - sinD * whirl);
+    const T numerator = torque_ * at[sin1] + T(weight * cosD - sinD * whirl);
     const T acceleration1 = quotient(numerator, T(sinD * sinD + inertia_));
     dxdt[phi1] = x[w1];
     dxdt[phi2] = x[w2];

@@ -10,7 +10,7 @@
 #include "trebsweep/release.hpp"
 #include "trebsweep/solver.hpp"
 #include "trebsweep/status.hpp"
-#include "trebsweep/stepper.hpp"
+#include "trebsweep/step_size.hpp"
 
 namespace trebsweep {
 
@@ -29,52 +29,6 @@ struct Unobserved {
   template <class T>
   void operator()(const Instant<T>&, const Instant<T>&) const {}
 };
-
-/// Whether a sum of finite numbers, none near the largest, has only such terms.
-template <class T>
-auto is_finite_sum(const T& sum) {
-  return T(sum - sum) <= T(0);  // NaN for infinity and NaN
-}
-
-/// A step's error beside what the tolerance allows, in the measure of Odeint's
-/// default_error_checker; the step is good where error <= allowed.
-template <class T>
-struct ErrorRatio {
-  T error, allowed;
-};
-
-/// The largest error of a step in units of the allowed one. Where the step's end or error is not
-/// finite, NaN, so that the step is not good; Odeint's own test lets NaN pass.
-template <class T>
-ErrorRatio<T> error_ratio(const Instant<T>& from, const Instant<T>& to, const State<T>& error,
-                          const T& h, double tolerance) {
-  using std::abs;
-  using Number = typename Lanes<T>::Number;
-  const auto ratio = [&](std::size_t i) {
-    return ErrorRatio<T>{abs(error[i]), h * abs(from.dxdt[i]) + T(T(1) + abs(from.x[i]))};
-  };
-  // The larger of two ratios over a common denominator: a division is the dearest operation.
-  const auto larger = [](const ErrorRatio<T>& a, const ErrorRatio<T>& b) {
-    const T p = a.error * b.allowed, q = b.error * a.allowed;
-    return ErrorRatio<T>{select(p < q, q, p), a.allowed * b.allowed};
-  };
-  const auto [largest, scale] = larger(larger(ratio(0), ratio(1)), larger(ratio(2), ratio(3)));
-  T sum = 0;
-  for (std::size_t i = 0; i < 4; ++i) sum += T(T(to.x[i] + to.dxdt[i]) + error[i]);
-  const T nan = std::numeric_limits<Number>::quiet_NaN();
-  return {select(is_finite_sum(sum), largest, nan), T(tolerance) * scale};
-}
-
-/// By how much to change the step after an ErrorRatio: the usual law (Hairer, Norsett and Wanner,
-/// Solving Ordinary Differential Equations I, II.4), between a fifth and five times.
-template <class T>
-T step_factor(const ErrorRatio<T>& ratio, int error_order) {
-  const T factor = T(error_order < 6 ? 0.9 : 0.8) *
-                   rough_power(ratio.error, ratio.allowed, -1.0 / (error_order + 1));
-  const T low = 0.2, high = 5;
-  // Written so that NaN, of a step that was not finite, makes the next one short.
-  return select(factor > low, select(factor < high, factor, high), low);
-}
 
 /// The paper's rule: whether phi1 lies inside the window around pi.
 template <class Number>
@@ -114,7 +68,6 @@ class Swings {
   /// A swing under way: one in every lane.
   struct Flight {
     Motion<T> motion;
-    Instant<T> now;
     T h;  // the next step's length; fixed steppers have the same for all
   };
 
@@ -131,59 +84,71 @@ class Swings {
   };
 
   void step() {
-    Instant<T> to;
-    State<T> error;
-    ++tried_;
-    if constexpr (adaptive) {
-      const T left = max_time_ - flight_.now.t;
-      const auto last = left <= flight_.h;
-      const T h = select(last, left, flight_.h);
-      advance(stepper_, flight_.motion, flight_.now, h, to, error);
-      to.t = select(last, max_time_, to.t);
-      const auto ratio = error_ratio(flight_.now, to, error, h, solver_.tolerance);
-      const auto accepted = ratio.error <= ratio.allowed;
-      flight_.h = h * step_factor(ratio, stepper_.error_order());
-      const auto turned = (flight_.now.x[w1] > T(0)) & (to.x[w1] < T(0));
-      const Set special = lanes_of((!(to.x[phi1] < watched_angle_)) | turned | (to.t >= max_time_) |
-                                   (flight_.h < shortest_step_));
-      Set ended = attend(special, lanes_of(accepted), to);
-      if constexpr (lanes == 1) {
-        if (accepted && ended == 0) observe_(flight_.now, to);
-      }
-      flight_.now.t = select(accepted, to.t, flight_.now.t);
-      for (std::size_t i = 0; i < 4; ++i) {
-        flight_.now.x[i] = select(accepted, to.x[i], flight_.now.x[i]);
-        flight_.now.dxdt[i] = select(accepted, to.dxdt[i], flight_.now.dxdt[i]);
-      }
-      for (; ended != 0; ended &= ended - 1) refill(first_of(ended));
-    } else {
-      advance(stepper_, flight_.motion, flight_.now, flight_.h, to, error);
-      // Not below the angle: NaN is seen too.
-      Set special = lanes_of(!(to.x[phi1] < watched_angle_));
-      if (solver_.release == Release::crossing)
-        special |= lanes_of((flight_.now.x[w1] > T(0)) & (to.x[w1] < T(0)));
-      Set ended = attend(special, ~Set{0}, to);
-      if constexpr (lanes == 1) {
-        if (ended == 0) observe_(at_step(flight_.now, 1), at_step(to, 0));
-      }
-      for (std::size_t i = 0; i < 4; ++i) {
-        flight_.now.x[i] = to.x[i];
-        flight_.now.dxdt[i] = to.dxdt[i];
-      }
-      for (; ended != 0; ended &= ended - 1) refill(first_of(ended));
+    Instant<T>& from = now_[tried_ % 2];
+    Instant<T>& to = now_[++tried_ % 2];
+    Set ended;
+    if constexpr (adaptive)
+      ended = step_by_error(from, to);
+    else
+      ended = step_on(from, to);
+    for (; ended != 0; ended &= ended - 1) refill(first_of(ended));
+  }
+
+  /// A step of a fixed stepper; returns the lanes that have ended their swing.
+  Set step_on(Instant<T>& from, Instant<T>& to) {
+    State<T> none;
+    advance(stepper_, flight_.motion, from, flight_.h, to, none);
+    // Not below the angle: NaN is seen too.
+    Set special = lanes_of(!(to.x[phi1] < watched_angle_));
+    if (solver_.release == Release::crossing)
+      special |= lanes_of((from.x[w1] > T(0)) & (to.x[w1] < T(0)));
+    const Set ended = attend(special, ~Set{0}, from, to);
+    if constexpr (lanes == 1) {
+      if (ended == 0) observe_(at_step(from, 1), at_step(to, 0));
     }
+    return ended;
+  }
+
+  /// A step of an adaptive stepper, and the next one's length; a lane whose error is too large stays
+  /// where it was. Returns the lanes that have ended their swing.
+  Set step_by_error(Instant<T>& from, Instant<T>& to) {
+    State<T> error;
+    const T left = max_time_ - from.t;
+    const auto last = left <= flight_.h;
+    const T h = select(last, left, flight_.h);
+    advance(stepper_, flight_.motion, from, h, to, error);
+    to.t = select(last, max_time_, to.t);
+    const auto ratio = error_ratio(from, to, error, h, solver_.tolerance);
+    const auto good = ratio.error <= ratio.allowed;
+    flight_.h = h * step_factor(ratio, stepper_.error_order());
+    const auto turned = (from.x[w1] > T(0)) & (to.x[w1] < T(0));
+    const Set special = lanes_of((!(to.x[phi1] < watched_angle_)) | turned | (to.t >= max_time_) |
+                                 (flight_.h < shortest_step_));
+    const Set accepted = lanes_of(good);
+    const Set ended = attend(special, accepted, from, to);
+    if constexpr (lanes == 1) {
+      if (good && ended == 0) observe_(from, to);
+    }
+    if ((~accepted & active_) != 0) {
+      to.t = select(good, to.t, from.t);
+      for (std::size_t i = 0; i < 4; ++i) {
+        to.x[i] = select(good, to.x[i], from.x[i]);
+        to.at[i] = select(good, to.at[i], from.at[i]);
+        to.dxdt[i] = select(good, to.dxdt[i], from.dxdt[i]);
+      }
+    }
+    return ended;
   }
 
   static std::size_t first_of(Set set) { return static_cast<std::size_t>(std::countr_zero(set)); }
 
-  /// The lanes of `special`, and those whose time has come, that have ended their swing.
-  Set attend(Set special, Set accepted, const Instant<T>& to) {
+  /// The lanes of `special`, and those whose steps are used up, that have ended their swing.
+  Set attend(Set special, Set accepted, Instant<T>& from, Instant<T>& to) {
     if (tried_ >= next_check_) special |= overdue();
     special &= active_;
     if (special == 0) [[likely]]
       return 0;
-    Instant<T> end = to;  // a copy, so that `to` itself may stay in registers
-    return settle(special, accepted, end);
+    return settle(special, accepted, from, to);
   }
 
   /// The lanes whose steps are used up.
@@ -203,55 +168,55 @@ class Swings {
   std::uint64_t steps(std::size_t lane) const { return tried_ - label_[lane].steps; }
 
   /// The lanes of `special` that have ended their swing; their outcomes are on their way.
-  [[gnu::noinline]] Set settle(Set special, Set accepted, Instant<T>& to) {
-    if constexpr (!adaptive) set_times(special, to);
+  [[gnu::noinline]] Set settle(Set special, Set accepted, Instant<T>& from, Instant<T>& to) {
+    if constexpr (!adaptive) set_times(special, from, to);
     Set ended = 0;
-    if (solver_.release == Release::crossing) look_for_turns(special & accepted, to);
+    if (solver_.release == Release::crossing) look_for_turns(special & accepted, from, to);
     for (; special != 0; special &= special - 1) {
       const std::size_t lane = first_of(special);
-      if (ends(lane, (accepted >> lane & 1) != 0, to)) ended |= Set{1} << lane;
+      if (ends(lane, (accepted >> lane & 1) != 0, from, to)) ended |= Set{1} << lane;
     }
     return ended;
   }
 
   /// Whether the swing in a lane has ended with this step.
-  bool ends(std::size_t lane, bool accepted, const Instant<T>& to) {
+  bool ends(std::size_t lane, bool accepted, const Instant<T>& from, const Instant<T>& to) {
     const auto end = [&](Status status, const Instant<T>& at) {
       deliver(label_[lane].number, status, at, lane, Number(0), steps(lane));
       return true;
     };
-    if (!is_finite(to, lane) && (!adaptive || is_hopeless(lane)))
-      return end(Status::non_finite, flight_.now);
+    if (!is_finite(to, lane) && (!adaptive || is_hopeless(lane, from)))
+      return end(Status::non_finite, from);
     if (accepted) {
       const Number t = get_lane(to.t, lane);
       const bool late = t > latest_;
-      if (is_released(lane, to) && !(late && solver_.release == Release::window)) {
-        shoot(lane, to);
+      if (is_released(lane, from, to) && !(late && solver_.release == Release::window)) {
+        shoot(lane, from, to);
         return true;
       }
-      if (late) return end(Status::not_released, flight_.now);
+      if (late) return end(Status::not_released, from);
       if (t >= Number(solver_.max_time)) return end(Status::not_released, to);
-    } else if (is_hopeless(lane)) {
-      return end(Status::step_underflow, flight_.now);
+    } else if (is_hopeless(lane, from)) {
+      return end(Status::step_underflow, from);
     }
     if (steps(lane) >= solver_.max_steps)
-      return end(Status::step_budget, accepted ? to : flight_.now);
+      return end(Status::step_budget, accepted ? to : from);
     return false;
   }
 
-  bool is_released(std::size_t lane, const Instant<T>& to) const {
+  bool is_released(std::size_t lane, const Instant<T>& from, const Instant<T>& to) const {
     const Number angle = get_lane(to.x[phi1], lane);
     if (solver_.release == Release::window)
       return is_inside_window(angle, Number(solver_.release_window));
     const Number pi = boost::math::constants::pi<Number>();
     // Beyond it already, or at rest there from the start, is no crossing.
-    return angle >= pi && get_lane(flight_.now.x[phi1], lane) < pi;
+    return angle >= pi && get_lane(from.x[phi1], lane) < pi;
   }
 
   /// Whether the next step of an adaptive stepper would not move the clock on; near t = 0,
   /// time-step stands for the time.
-  bool is_hopeless(std::size_t lane) const {
-    const Number clock = std::max<Number>(get_lane(flight_.now.t, lane), solver_.time_step);
+  bool is_hopeless(std::size_t lane, const Instant<T>& from) const {
+    const Number clock = std::max<Number>(get_lane(from.t, lane), solver_.time_step);
     return adaptive && get_lane(flight_.h, lane) < std::numeric_limits<Number>::epsilon() * clock;
   }
 
@@ -263,10 +228,10 @@ class Swings {
   }
 
   /// The times of a fixed stepper: counted steps, so that they carry no sum of roundings.
-  void set_times(Set set, Instant<T>& to) {
+  void set_times(Set set, Instant<T>& from, Instant<T>& to) {
     for (; set != 0; set &= set - 1) {
       const std::size_t lane = first_of(set);
-      set_lane(flight_.now.t, lane, time_of(steps(lane) - 1));
+      set_lane(from.t, lane, time_of(steps(lane) - 1));
       set_lane(to.t, lane, time_of(steps(lane)));
     }
   }
@@ -281,14 +246,14 @@ class Swings {
 
   /// Where the arm has turned back within the step, perhaps from beyond pi, the step's end becomes
   /// the turning point.
-  void look_for_turns(Set set, Instant<T>& to) {
+  void look_for_turns(Set set, const Instant<T>& from, Instant<T>& to) {
     const T pi = boost::math::constants::pi<Number>();
     // No further than this can it have come.
-    const T reach = flight_.now.x[phi1] + T(to.t - flight_.now.t) * T(flight_.now.x[w1] - to.x[w1]);
-    set &= lanes_of((flight_.now.x[phi1] < pi) & (to.x[phi1] < pi) & (reach >= pi) &
-                    (flight_.now.x[w1] > T(0)) & (to.x[w1] < T(0)));
+    const T reach = from.x[phi1] + T(to.t - from.t) * T(from.x[w1] - to.x[w1]);
+    set &= lanes_of((from.x[phi1] < pi) & (to.x[phi1] < pi) & (reach >= pi) &
+                    (from.x[w1] > T(0)) & (to.x[w1] < T(0)));
     if (set == 0) return;
-    const Instant<T> turn = turn_between(stepper_, flight_.motion, flight_.now, to);
+    const Instant<T> turn = turn_between(stepper_, flight_.motion, from, to);
     for (; set != 0; set &= set - 1) {
       const std::size_t lane = first_of(set);
       if (get_lane(turn.x[phi1], lane) >= boost::math::constants::pi<Number>())
@@ -297,10 +262,10 @@ class Swings {
   }
 
   /// Puts a lane's swing among the shots that wait to land together.
-  void shoot(std::size_t lane, const Instant<T>& to) {
+  void shoot(std::size_t lane, const Instant<T>& from, const Instant<T>& to) {
     copy_lane<T>(shot_.motion, shots_, flight_.motion, lane);
     copy_lane<T>(shot_.to, shots_, to, lane);
-    if (solver_.release == Release::crossing) copy_lane<T>(shot_.from, shots_, flight_.now, lane);
+    if (solver_.release == Release::crossing) copy_lane<T>(shot_.from, shots_, from, lane);
     shot_label_[shots_] = {label_[lane].number, steps(lane)};
     if (++shots_ == lanes) land();
   }
@@ -343,6 +308,7 @@ class Swings {
       return;
     }
     copy_lane<T>(flight_, lane, start_, fresh_);
+    copy_lane<T>(now_[tried_ % 2], lane, start_now_, fresh_);
     label_[lane] = {start_number_[fresh_], tried_};
     next_check_ = std::min(next_check_, tried_ + step_limit_);
     active_ |= Set{1} << lane;
@@ -367,10 +333,8 @@ class Swings {
     }
     if (prepared_ == 0) return;
     start_.motion = Motion<T>(scene_, design);
-    start_.now.t = T(0);
-    start_.now.x = start(scene_, design);
-    start_.motion(start_.now.x, start_.now.dxdt, start_.now.t);
-    start_.h = first_step(start_.now);
+    start_now_ = instant(start_.motion, T(0), start(scene_, design));
+    start_.h = first_step(start_now_);
   }
 
   /// The step to begin with: a fixed stepper's own; of an adaptive one, so long that the rates at
@@ -412,6 +376,7 @@ class Swings {
   const std::uint64_t step_limit_ = step_limit(solver_);
 
   Flight flight_{};
+  std::array<Instant<T>, 2> now_{};  // the last step's ends in turn
   std::array<Label, lanes> label_{};
   Set active_ = 0;
   std::uint64_t tried_ = 0;
@@ -422,6 +387,7 @@ class Swings {
   std::size_t shots_ = 0;
 
   Flight start_{};
+  Instant<T> start_now_{};
   std::array<std::uint64_t, lanes> start_number_{};
   std::size_t fresh_ = 0, prepared_ = 0;
   std::uint64_t designs_ = 0;
