@@ -5,6 +5,7 @@
 #include <cvode/cvode.h>
 #include <fmt/format.h>
 #include <gsl/gsl_odeiv2.h>
+#include <immintrin.h>
 #include <nvector/nvector_serial.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
@@ -17,13 +18,17 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "paper_algorithm.hpp"
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/lattice.hpp"
-#include "trebsweep/swing.hpp"
+#include "trebsweep/release.hpp"
+#include "trebsweep/step_size.hpp"
 
 using namespace trebsweep;
 
@@ -143,10 +148,9 @@ double shoot_cvode(const Design<double>& design, double tolerance) {
 struct Entry {
   std::string name, setting;
   std::function<void(const std::vector<Design<double>>&, std::vector<double>& speeds)> run;
-  bool scalar_odeint = false, paper = false, lanes = false;
+  std::optional<Solver> lanes = {};  // of the program's own
   std::vector<double> seconds = {};
   std::vector<double> speeds = {};
-  double steps = 0, utilisation = 0;  // of lanes: tried per design, share of lane steps
 
   double median() const {
     std::vector<double> sorted = seconds;
@@ -164,18 +168,20 @@ Entry one_by_one(std::string name, std::string setting, F shoot) {
           }};
 }
 
-void run_lanes(const Solver& solver, const std::vector<Design<double>>& designs,
-               std::vector<double>& speeds, Entry* entry) {
+struct LaneSteps {
+  double tried, made;  // by swings, and by lanes whether they had one or not
+};
+
+LaneSteps run_lanes(const Solver& solver, const std::vector<Design<double>>& designs,
+                    std::vector<double>& speeds) {
   std::vector<Shot> shots(designs.size());
-  const std::uint64_t lane_steps = integrate(Scene{}, solver, designs, shots);
-  double steps = 0;
+  const auto made = integrate(Scene{}, solver, designs, shots);
+  double tried = 0;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     speeds[i] = shots[i].speed;
-    steps += static_cast<double>(shots[i].steps);
+    tried += static_cast<double>(shots[i].steps);
   }
-  if (!entry) return;
-  entry->steps = steps / static_cast<double>(shots.size());
-  entry->utilisation = steps / static_cast<double>(lane_steps);
+  return {tried, static_cast<double>(made)};
 }
 
 Solver crossing(const std::string& stepper, double tolerance) {
@@ -191,23 +197,19 @@ std::vector<Entry> entries() {
   list.push_back(
       one_by_one("the paper's algorithm, plain C++", "0.01 s",
                  [](const Design<double>& d) { return paper::shoot(d.r1, d.r3, d.r2).speed; }));
-  list.back().paper = true;
   for (const double tolerance : {1e-6, 1e-9, 1e-11}) {
     const std::string setting = fmt::format("{:g}", tolerance);
     list.push_back(one_by_one("Odeint dopri5, make_controlled", setting,
                               [=](const auto& d) { return shoot_odeint(d, tolerance); }));
-    list.back().scalar_odeint = tolerance == 1e-9;
     list.push_back(
         one_by_one("GSL rk8pd", setting, [=](const auto& d) { return shoot_gsl(d, tolerance); }));
     list.push_back(one_by_one("SUNDIALS CVODE, Adams", setting,
                               [=](const auto& d) { return shoot_cvode(d, tolerance); }));
   }
   const auto lanes = [&](const std::string& setting, const Solver& solver) {
-    Entry entry{"lanes, " + solver.stepper, setting, [solver](const auto& designs, auto& speeds) {
-                  run_lanes(solver, designs, speeds, nullptr);
-                }};
-    entry.lanes = true;
-    list.push_back(entry);
+    list.push_back({"lanes, " + solver.stepper, setting,
+                    [=](const auto& designs, auto& speeds) { run_lanes(solver, designs, speeds); },
+                    solver});
   };
   lanes("0.01 s", Solver{});
   for (const double step : {0.01, 0.001}) {
@@ -236,6 +238,151 @@ std::vector<Design<double>> sample(std::size_t wanted) {
   return designs;
 }
 
+/// A number that remembers from what it was computed, to count the operations on registers that
+/// something takes. As in a pack, a product that is added is one operation, and one by 1 is none.
+struct Counted {
+  struct Operation {
+    int cost;
+    std::vector<Counted> operands;
+  };
+  std::shared_ptr<const Operation> from = {};
+  bool one = false;
+
+  struct Product {
+    std::shared_ptr<const Operation> multiply;
+    bool by_one;
+  };
+
+  Counted() = default;
+  Counted(double x) : one(x == 1) {}
+  Counted(const Product& p) : from(p.multiply) {}
+  Counted(int cost, std::vector<Counted> operands)
+      : from(std::make_shared<Operation>(Operation{cost, std::move(operands)})) {}
+
+  friend Product operator*(const Counted& a, const Counted& b) {
+    const bool by_one = a.one || b.one;
+    return {Counted(by_one ? 0 : 1, {a, b}).from, by_one};
+  }
+  /// A sum with a product, which becomes a part of it.
+  static Counted fused(const Product& p, const Counted& c) {
+    return {p.by_one ? 1 : p.multiply->cost, {p.multiply->operands[0], p.multiply->operands[1], c}};
+  }
+  friend Counted operator+(const Counted& a, const Counted& b) { return {1, {a, b}}; }
+  friend Counted operator-(const Counted& a, const Counted& b) { return {1, {a, b}}; }
+  friend Counted operator-(const Counted& a) { return {1, {a}}; }
+  friend Counted operator+(const Product& p, const Counted& c) { return fused(p, c); }
+  friend Counted operator-(const Product& p, const Counted& c) { return fused(p, c); }
+  friend Counted operator+(const Counted& c, const Product& p) { return fused(p, c); }
+  friend Counted operator-(const Counted& c, const Product& p) { return fused(p, c); }
+  friend Counted operator+(const Product& p, const Product& q) { return fused(q, p); }
+  friend Counted operator-(const Product& p, const Product& q) { return fused(q, p); }
+  friend Counted operator/(const Counted&, const Counted&) { return {}; }  // of constants alone
+  Counted& operator+=(const Counted& b) { return *this = *this + b; }
+  Counted& operator+=(const Product& b) { return *this = *this + b; }
+  // A comparison's result is as good as a number.
+  friend Counted operator<(const Counted& a, const Counted& b) { return {1, {a, b}}; }
+  friend Counted operator<=(const Counted& a, const Counted& b) { return {1, {a, b}}; }
+  friend Counted operator>(const Counted& a, const Counted& b) { return {1, {a, b}}; }
+  friend Counted select(const Counted& m, const Counted& a, const Counted& b) {
+    return {1, {m, a, b}};
+  }
+  friend Counted abs(const Counted& a) { return {1, {a}}; }
+  // Counted by hand in pack.hpp and sin_cos.hpp, for AVX-512.
+  friend Counted quotient(const Counted& a, const Counted& b) { return {10, {a, b}}; }
+  friend Counted rough_power(const Counted& a, const Counted& b, double) { return {22, {a, b}}; }
+  friend SinCos<Counted> sin_cos(const Counted& x) {
+    const Counted both(26, {x});
+    return {Counted(0, {both}), Counted(0, {both})};
+  }
+};
+
+/// Adds up the operations behind a number that are not yet in `seen`.
+int operations(const Counted& x, std::set<const Counted::Operation*>& seen) {
+  if (!x.from || !seen.insert(x.from.get()).second) return 0;
+  int sum = x.from->cost;
+  for (const Counted& operand : x.from->operands) sum += operations(operand, seen);
+  return sum;
+}
+
+}  // namespace
+
+template <>
+struct trebsweep::Lanes<Counted> {
+  using Number = double;
+  static constexpr std::size_t count = 1;
+};
+
+namespace {
+
+/// Operations on registers that a step takes, with its control; what comes to nothing is left out,
+/// as the compiler does.
+template <class Stepper>
+int operations_per_step() {
+  const Instant<Counted> from{};
+  Instant<Counted> to;
+  State<Counted> error;
+  Stepper stepper;
+  advance(stepper, Motion<Counted>(), from, Counted(), to, error);
+  std::vector<Counted> results{to.t};
+  for (const auto& part : {to.x, to.at, to.dxdt})
+    results.insert(results.end(), part.begin(), part.end());
+  if constexpr (is_adaptive<Stepper>) {
+    const auto ratio = error_ratio(from, to, error, Counted(), 1e-9);
+    results.push_back(Counted() * step_factor(ratio, stepper.error_order()));
+    results.push_back(ratio.error <= ratio.allowed);
+  }
+  std::set<const Counted::Operation*> seen;
+  int sum = 0;
+  for (const Counted& x : results) sum += operations(x, seen);
+  return sum;
+}
+
+/// Seconds per fused multiply-add of AVX-512 registers at the machine's best: many independent
+/// ones, the best of some rounds.
+__attribute__((target("avx512f"))) double seconds_per_operation() {
+  constexpr int chains = 12, length = 1000, rounds = 2000;
+  const __m512d half = _mm512_set1_pd(0.5);
+  double best = 1;
+  for (int round = 0; round < rounds; ++round) {
+    __m512d x[chains];
+    for (__m512d& y : x) y = half;
+    const auto before = std::chrono::steady_clock::now();
+    for (int i = 0; i < length; ++i)
+      for (__m512d& y : x) y = _mm512_fmadd_pd(y, half, half);
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - before;
+    for (const __m512d& y : x) asm volatile("" : : "m"(y));  // must be computed
+    best = std::min(best, time.count() / (chains * length));
+  }
+  return best;
+}
+
+const Entry& find(const std::vector<Entry>& list, std::string_view name, std::string_view setting) {
+  return *std::find_if(list.begin(), list.end(), [&](const Entry& entry) {
+    return entry.name == name && entry.setting == setting;
+  });
+}
+
+void print_lanes(const std::vector<Entry>& list, const std::vector<Design<double>>& designs) {
+  // The hand-counted operations are those of AVX-512; elsewhere, no limit is given.
+  const bool limited = instruction_set().starts_with("AVX-512");
+  const double operation = limited ? seconds_per_operation() / 8 : 0;
+  fmt::print(
+      "\n| lanes | setting | steps tried per design | lanes at work | ns per step and lane | "
+      "limit | operations |\n|---|---|---|---|---|---|---|\n");
+  std::vector<double> speeds(designs.size());
+  for (const Entry& entry : list) {
+    if (!entry.lanes) continue;
+    const auto [tried, made] = run_lanes(*entry.lanes, designs, speeds);
+    const double steps = tried / static_cast<double>(designs.size());
+    const int count = with_stepper(entry.lanes->stepper, []<template <class> class Stepper>() {
+      return operations_per_step<Stepper<Counted>>();
+    });
+    fmt::print("| {} | {} | {:.1f} | {:.1f} % | {:.2f} | {:.2f} | {} |\n", entry.lanes->stepper,
+               entry.setting, steps, 100 * tried / made, 1e9 * entry.median() / steps,
+               1e9 * operation * count, count);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -243,7 +390,7 @@ int main(int argc, char** argv) {
   const int rounds = argc > 2 ? std::atoi(argv[2]) : 5;
   const auto designs = sample(std::max<std::size_t>(wanted, 1));
   std::vector<double> truth(designs.size());
-  run_lanes(crossing("fehlberg78", 1e-13), designs, truth, nullptr);
+  run_lanes(crossing("fehlberg78", 1e-13), designs, truth);
 
   auto list = entries();
   for (int round = 0; round < std::max(rounds, 1); ++round)
@@ -255,11 +402,8 @@ int main(int argc, char** argv) {
       entry.seconds.push_back(time.count() / static_cast<double>(designs.size()));
     }
 
-  double paper = 0, odeint = 0;
-  for (const Entry& entry : list) {
-    if (entry.paper) paper = entry.median();
-    if (entry.scalar_odeint) odeint = entry.median();
-  }
+  const double paper = find(list, "the paper's algorithm, plain C++", "0.01 s").median();
+  const double odeint = find(list, "Odeint dopri5, make_controlled", "1e-09").median();
   fmt::print("{} designs of the paper's lattice on one core, {} rounds in turn, medians; {}\n\n",
              designs.size(), rounds, instruction_set());
   fmt::print(
@@ -275,22 +419,5 @@ int main(int argc, char** argv) {
                entry.setting, 1 / time, errors[errors.size() / 2], errors.back(), paper / time,
                odeint / time);
   }
-  fmt::print(
-      "\n| lanes | setting | steps tried per design | ns per step and lane | lanes at work "
-      "|\n|---|---|---|---|---|\n");
-  std::vector<double> speeds(designs.size());
-  const auto account = [&](const std::string& setting, const Solver& solver) {
-    for (const Entry& entry : list) {
-      if (entry.name != "lanes, " + solver.stepper || entry.setting != setting) continue;
-      Entry counted = entry;
-      run_lanes(solver, designs, speeds, &counted);
-      fmt::print("| {} | {} | {:.1f} | {:.2f} | {:.1f} % |\n", solver.stepper, setting,
-                 counted.steps, 1e9 * entry.median() / counted.steps * 1.0,
-                 100 * counted.utilisation);
-    }
-  };
-  account("0.01 s", Solver{});
-  for (const std::string stepper : {"cash_karp54", "dopri5", "fehlberg78"})
-    for (const double tolerance : {1e-6, 1e-9, 1e-11})
-      account(fmt::format("{:g}", tolerance), crossing(stepper, tolerance));
+  print_lanes(list, designs);
 }

@@ -7,8 +7,9 @@
 
 namespace trebsweep {
 
-// What Odeint's steppers compute with. They do what its default_operations and array_algebra do, but
-// for a compiler that has inlined a whole step, factors are constants here and loops are unrolled.
+// What Odeint's steppers compute with. They do what its default_operations and array_algebra do,
+// but for a compiler that has inlined a whole step, factors are constants here and loops are
+// unrolled.
 
 /// Sums of terms with a factor each, without the terms whose factor is zero (a third of
 /// fehlberg78's) and without products by one.
@@ -130,7 +131,8 @@ struct Algebra {
     };
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       (at(std::index_sequence<I>(), arrays), ...);
-    }(places);
+    }
+    (places);
   }
 };
 

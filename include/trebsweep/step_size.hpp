@@ -23,8 +23,9 @@ struct ErrorRatio {
 /// The largest error of a step in units of the allowed one. Where the step's end or error is not
 /// finite, NaN, so that the step is not good; Odeint's own test lets NaN pass.
 template <class T>
-[[gnu::always_inline]] inline ErrorRatio<T> error_ratio(const Instant<T>& from, const Instant<T>& to, const State<T>& error,
-                          const T& h, double tolerance) {
+[[gnu::always_inline]] inline ErrorRatio<T> error_ratio(const Instant<T>& from,
+                                                        const Instant<T>& to, const State<T>& error,
+                                                        const T& h, double tolerance) {
   using std::abs;
   using Number = typename Lanes<T>::Number;
   const auto ratio = [&](std::size_t i) {

@@ -37,9 +37,9 @@ using ExtendedState = std::array<T, 8>;
 /// A stepper whose time is the part of the step that has passed: all lanes' steps are one, and the
 /// method's coefficients are single numbers.
 template <template <class, class, class, class, class, class, class> class Stepper, class T>
-using AdaptiveStepper = Stepper<ExtendedState<T>, typename Lanes<T>::Number, ExtendedState<T>,
-                                typename Lanes<T>::Number, Algebra, Operations,
-                                odeint::never_resizer>;
+using AdaptiveStepper =
+    Stepper<ExtendedState<T>, typename Lanes<T>::Number, ExtendedState<T>,
+            typename Lanes<T>::Number, Algebra, Operations, odeint::never_resizer>;
 
 // The steppers that a swing can use.
 template <class T>

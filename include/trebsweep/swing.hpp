@@ -109,8 +109,8 @@ class Swings {
     return ended;
   }
 
-  /// A step of an adaptive stepper, and the next one's length; a lane whose error is too large stays
-  /// where it was. Returns the lanes that have ended their swing.
+  /// A step of an adaptive stepper, and the next one's length; a lane whose error is too large
+  /// stays where it was. Returns the lanes that have ended their swing.
   Set step_by_error(Instant<T>& from, Instant<T>& to) {
     State<T> error;
     const T left = max_time_ - from.t;
@@ -199,8 +199,7 @@ class Swings {
     } else if (is_hopeless(lane, from)) {
       return end(Status::step_underflow, from);
     }
-    if (steps(lane) >= solver_.max_steps)
-      return end(Status::step_budget, accepted ? to : from);
+    if (steps(lane) >= solver_.max_steps) return end(Status::step_budget, accepted ? to : from);
     return false;
   }
 
@@ -250,8 +249,8 @@ class Swings {
     const T pi = boost::math::constants::pi<Number>();
     // No further than this can it have come.
     const T reach = from.x[phi1] + T(to.t - from.t) * T(from.x[w1] - to.x[w1]);
-    set &= lanes_of((from.x[phi1] < pi) & (to.x[phi1] < pi) & (reach >= pi) &
-                    (from.x[w1] > T(0)) & (to.x[w1] < T(0)));
+    set &= lanes_of((from.x[phi1] < pi) & (to.x[phi1] < pi) & (reach >= pi) & (from.x[w1] > T(0)) &
+                    (to.x[w1] < T(0)));
     if (set == 0) return;
     const Instant<T> turn = turn_between(stepper_, flight_.motion, from, to);
     for (; set != 0; set &= set - 1) {
