@@ -56,8 +56,12 @@ Prints the swing of one design, from rest to its release, as a table with the co
   xt yt    tip of the throwing arm
   x3 y3    projectile
   speed    of the projectile, m/s
-  energy   kinetic and potential, J
-  tension  of the sling, N
+  energy   kinetic and potential, and of the sling's stretch, J
+  tension  pull of the sling on the projectile, N; below zero where a rigid one would have to push
+  tip_tension
+           its pull on the arm's tip: more than that if it has a mass
+  axle     force on the axle, N
+  stress   bending stress of the beam at the fulcrum, Pa
 
 )";
 

@@ -23,6 +23,9 @@ namespace {
 
 namespace po = boost::program_options;
 
+/// The key that names a file with the scene; relative to the job file.
+constexpr const char* scene_file = "scene.file";
+
 /// A key with a number; `member` gives the place of it in a Job.
 template <class Member>
 Key number(const std::string& name, const std::string& help, const Range& range, Member member) {
@@ -149,6 +152,7 @@ std::vector<Key> make_keys() {
   constexpr std::array inertias{"slender", "prism", "none"};
   constexpr std::array releases{"crossing", "window"};
   constexpr std::array storages{"float64", "float32"};
+  constexpr std::array contests{"all", "taut"};
   return {
       number(
           "scene.gravity", "gravitational acceleration g, m/s^2", positive,
@@ -177,6 +181,21 @@ std::vector<Key> make_keys() {
       number(
           "scene.sling-angle", "phi2 at the start, rad; 0 hangs straight down", Range{-pi, pi},
           [](auto& job) -> auto& { return job.scene.sling_angle; }),
+      number(
+          "scene.pivot-viscosity", "torque against the beam's turning, per rate, N m s/rad",
+          not_negative, [](auto& job) -> auto& { return job.scene.pivot_viscosity; }),
+      number(
+          "scene.pivot-friction", "dry torque against it, which also holds a beam at rest, N m",
+          not_negative, [](auto& job) -> auto& { return job.scene.pivot_friction; }),
+      number(
+          "scene.sling-mass", "mass of the sling, spread evenly, kg", not_negative,
+          [](auto& job) -> auto& { return job.scene.sling_mass; }),
+      number(
+          "scene.sling-stiffness", "force per stretch of an elastic sling, N/m; 0: rigid",
+          not_negative, [](auto& job) -> auto& { return job.scene.sling_stiffness; }),
+      number(
+          "scene.sling-damping", "force per rate of its stretch, N s/m", not_negative,
+          [](auto& job) -> auto& { return job.scene.sling_damping; }),
       number(
           "lattice.increment", "step of the lattice dr, m", positive,
           [](auto& job) -> auto& { return job.lattice.increment; }),
@@ -217,6 +236,9 @@ std::vector<Key> make_keys() {
       file_key(),
       fields_key(),
       choice(
+          "output.optimum", "shots that compete for the optimum: all, or those with a taut sling",
+          contests, [](auto& job) -> auto& { return job.output.contest; }),
+      choice(
           "output.storage", "number type of the maps", storages,
           [](auto& job) -> auto& { return job.output.storage; }),
       whole_number(
@@ -228,7 +250,7 @@ std::vector<Key> make_keys() {
 /// The steps of an adaptive stepper leap over the window, or land in it on a later pass: it needs
 /// the crossing, which it gets unless the job says otherwise.
 void settle_release(Solver& solver, bool given) {
-  const bool adaptive = with_stepper(solver.stepper, []<template <class> class Stepper>() {
+  const bool adaptive = with_stepper(solver.stepper, []<template <class, Effects = Effects{}> class Stepper>() {
     return is_adaptive<Stepper<double>>;
   });
   if (!adaptive || solver.release == Release::crossing) return;
@@ -239,6 +261,18 @@ void settle_release(Solver& solver, bool given) {
   solver.release = Release::crossing;
 }
 
+/// Refuses keys that are each allowed but make no sense together.
+void check(const Job& job) {
+  if (job.scene.sling_damping > 0 && job.scene.sling_stiffness == 0)
+    refuse("scene.sling-damping", fmt::format("{}", job.scene.sling_damping),
+           "0 without a sling-stiffness above 0: a rigid sling has no stretch to damp");
+  const auto& fields = job.output.fields;
+  if (job.scene.beam_side == 0 &&
+      std::count(fields.begin(), fields.end(), Field::peak_beam_stress) > 0)
+    refuse("output.fields", "peak-beam-stress",
+           "fields without peak-beam-stress where scene.beam-side is 0: no section bears it");
+}
+
 std::string section_of(const std::string& name) { return name.substr(0, name.find('.')); }
 
 std::string key_of(const std::string& name) { return name.substr(name.find('.') + 1); }
@@ -247,6 +281,7 @@ std::string key_of(const std::string& name) { return name.substr(name.find('.') 
   std::vector<std::string> known;
   for (const Key& key : job_keys())
     if (section_of(key.name) == section_of(name)) known.push_back(key_of(key.name));
+  if (section_of(name) == "scene") known.push_back("file");
   if (known.empty())
     throw InputError(
         fmt::format("{}: unknown key; the sections are scene, lattice, solver, output", name));
@@ -268,18 +303,43 @@ const std::vector<Key>& job_keys() {
   return keys;
 }
 
-Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides) {
+namespace {
+
+po::variables_map parse_text(const std::string& text, const std::string& name,
+                             const po::options_description& options) {
   po::variables_map given;
   try {
     std::istringstream stream(text);
-    po::store(po::parse_config_file(stream, file_options()), given);
+    po::store(po::parse_config_file(stream, options), given);
   } catch (const po::unknown_option& unknown) {
     refuse_unknown(unknown.get_option_name());
   } catch (const po::error& error) {
     throw InputError(fmt::format("job file {}: {}", name, error.what()));
   }
+  return given;
+}
+
+/// Sets the keys of a scene file, which has none but those of a scene.
+void set_scene(Job& job, const std::string& path) {
+  const auto given = parse_text(read_job_file(path), path, file_options());
+  for (const Key& key : job_keys()) {
+    if (!given.count(key.name)) continue;
+    if (section_of(key.name) != "scene")
+      refuse(scene_file, path, fmt::format("a file of [scene] alone, without {}", key.name));
+    key.set(job, given[key.name].as<std::string>());
+  }
+}
+
+}  // namespace
+
+Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides) {
+  auto options = file_options();
+  options.add_options()(scene_file, po::value<std::string>());
+  const auto given = parse_text(text, name, options);
   Job job;
   job.output.file = std::filesystem::path(name).stem().string() + ".h5";
+  if (given.count(scene_file))
+    set_scene(job, std::filesystem::path(name).parent_path() / given[scene_file].as<std::string>());
   bool release_given = false;
   for (const Key& key : job_keys()) {
     const auto override = overrides.find(key.name);
@@ -289,6 +349,7 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
     release_given = release_given || key.name == "solver.release";
   }
   settle_release(job.solver, release_given);
+  check(job);
   return job;
 }
 

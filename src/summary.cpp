@@ -17,10 +17,10 @@ double Summary::utilisation() const {
   return lane_steps == 0 ? 0 : static_cast<double>(steps) / static_cast<double>(lane_steps);
 }
 
-void Tally::add(const Shot& shot, std::uint64_t cell) {
+void Tally::add(const Shot& shot, std::uint64_t cell, bool competes) {
   ++statuses[static_cast<std::size_t>(shot.status)];
   steps += shot.steps;
-  if (shot.status != Status::released) return;
+  if (!competes || !is_shot(shot.status)) return;
   if (shot.speed > best_speed || (shot.speed == best_speed && cell < best_cell)) {
     best_speed = shot.speed;
     best_time = shot.release_time;
@@ -56,10 +56,12 @@ std::string to_text(const Summary& summary, const Job& job, int ranks) {
       text += fmt::format("          {} {}\n", summary.statuses[s], status_names[s]);
   if (const auto& best = summary.optimum)
     text += fmt::format(
-        "optimum   {:.8f} m/s at r1 = {}, r2 = {}, r3 = {} m, released at {:.8g} s\n", best->speed,
-        best->design.r1, best->design.r2, best->design.r3, best->release_time);
+        "optimum   {:.8f} m/s at r1 = {}, r2 = {}, r3 = {} m, released at {:.8g} s{}\n",
+        best->speed, best->design.r1, best->design.r2, best->design.r3, best->release_time,
+        job.output.contest == Contest::taut ? ", the sling taut" : "");
   else
-    text += "optimum   none: nothing was released\n";
+    text += fmt::format("optimum   none: nothing was released{}\n",
+                        job.output.contest == Contest::taut ? " with a taut sling" : "");
   text += fmt::format("steps     {}, lanes {:.1f} % at work\n", summary.steps,
                       100 * summary.utilisation());
   text += fmt::format("seconds   {:.2f} ({:.2f} integrating) on {} {}\n", summary.sweep_seconds,

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <queue>
@@ -25,7 +27,14 @@ using Map = std::vector<double>;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-double outside(Field field) { return field == Field::status ? 0 : nan; }
+double outside(Field field) { return is_flag(field) ? 0 : nan; }
+
+/// The names of a flag field's values 0, 1, ...
+std::vector<std::string> flag_meanings(Field field) {
+  if (field == Field::status) return {status_names.begin(), status_names.end()};
+  if (field == Field::slack) return {slack_names.begin(), slack_names.end()};
+  return {};
+}
 
 std::vector<MapInfo> map_infos(const Output& output) {
   const bool has_status = std::count(output.fields.begin(), output.fields.end(), Field::status) > 0;
@@ -37,13 +46,12 @@ std::vector<MapInfo> map_infos(const Output& output) {
     map.units = std::string(info(field).units);
     map.long_name = std::string(info(field).meaning);
     map.fill = outside(field);
-    if (field == Field::status) {
+    map.flag_meanings = flag_meanings(field);
+    if (is_flag(field))
       map.type = MapType::uint8;
-      map.flag_meanings.assign(status_names.begin(), status_names.end());
-    } else {
+    else
       map.type = output.storage == Storage::float32 ? MapType::float32 : MapType::float64;
-      if (has_status) map.ancillary = "status";
-    }
+    if (field != Field::status && has_status) map.ancillary = "status";
     maps.push_back(std::move(map));
   }
   return maps;
@@ -59,7 +67,7 @@ void for_each_design(const Lattice& lattice, const Tile& tile, F f) {
         if (lattice.holds({i1, i3, i2})) f(Index3{i1, i3, i2}, cell);
 }
 
-double value(const Shot& shot, Field field) {
+double basic_value(const Shot& shot, Field field) {
   switch (field) {
     case Field::speed:
       return shot.speed;
@@ -67,8 +75,21 @@ double value(const Shot& shot, Field field) {
       return shot.release_time;
     case Field::status:
       return static_cast<double>(shot.status);
+    case Field::steps:
+      return static_cast<double>(shot.steps);
+    default:
+      throw std::logic_error("not a field of every shot");
   }
-  throw std::logic_error("unknown field");
+}
+
+/// The fields beyond those of every shot that a job's maps, or its choice of the optimum, need.
+std::vector<Field> extra_fields(const Output& output) {
+  std::vector<Field> extra;
+  std::copy_if(output.fields.begin(), output.fields.end(), std::back_inserter(extra),
+               [](Field field) { return !is_basic(field); });
+  if (output.contest == Contest::taut && std::count(extra.begin(), extra.end(), Field::slack) == 0)
+    extra.push_back(Field::slack);
+  return extra;
 }
 
 /// The maps of some tiles, a map per field of the job for each.
@@ -79,20 +100,32 @@ std::vector<std::vector<Map>> integrate(const std::vector<Tile>& tiles, const Jo
   for (const Tile& tile : tiles)
     for_each_design(lattice, tile,
                     [&](const Index3& i, std::size_t) { designs.push_back(lattice.design(i)); });
+  const std::vector<Field> extra = extra_fields(job.output);
   std::vector<Shot> shots(designs.size());
-  tally.lane_steps += integrate(job.scene, job.solver, designs, shots);
+  std::vector<double> values(designs.size() * extra.size());
+  tally.lane_steps += integrate(job.scene, job.solver, designs, extra, shots, values);
 
+  const auto place = [&](Field field) {
+    return static_cast<std::size_t>(std::find(extra.begin(), extra.end(), field) - extra.begin());
+  };
   std::vector<std::vector<Map>> computed;
-  auto shot = shots.cbegin();
+  std::size_t n = 0;
   const Index3 extent = lattice.extent();
   for (const Tile& tile : tiles) {
     std::vector<Map>& maps = computed.emplace_back();
     for (const Field field : job.output.fields) maps.emplace_back(tile.cells(), outside(field));
     for_each_design(lattice, tile, [&](const Index3& i, std::size_t cell) {
-      for (std::size_t f = 0; f < maps.size(); ++f)
-        maps[f][cell] = value(*shot, job.output.fields[f]);
-      tally.add(*shot, (i[0] * extent[1] + i[1]) * extent[2] + i[2]);
-      ++shot;
+      const Shot& shot = shots[n];
+      const double* const extras = values.data() + n * extra.size();
+      for (std::size_t f = 0; f < maps.size(); ++f) {
+        const Field field = job.output.fields[f];
+        const double value = is_basic(field) ? basic_value(shot, field) : extras[place(field)];
+        maps[f][cell] = is_flag(field) && std::isnan(value) ? 0 : value;
+      }
+      const bool competes =
+          job.output.contest == Contest::all || extras[place(Field::slack)] == 1;  // taut
+      tally.add(shot, (i[0] * extent[1] + i[1]) * extent[2] + i[2], competes);
+      ++n;
     });
   }
   return computed;

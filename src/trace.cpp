@@ -13,30 +13,35 @@ constexpr double default_interval = 0.01;
 constexpr double most_rows = 1e7;
 
 void print_header(std::FILE* out) {
-  fmt::print(out, "t phi1 phi2 w1 w2 x1 y1 xt yt x3 y3 speed energy tension\n");
+  fmt::print(out,
+             "t phi1 phi2 w1 w2 x1 y1 xt yt x3 y3 speed energy tension tip_tension axle stress\n");
 }
 
-void print_row(const Motion<double>& motion, const Instant<double>& at, std::FILE* out) {
-  const auto counterweight = motion.counterweight(at.x);
-  const auto tip = motion.arm_tip(at.x);
-  const auto projectile = motion.projectile(at.x);
-  fmt::print(
-      out,
-      "{:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} "
-      "{:.10g} {:.12g} {:.10g}\n",
-      at.t, at.x[phi1], at.x[phi2], at.x[w1], at.x[w2], counterweight.x, counterweight.y, tip.x,
-      tip.y, projectile.x, projectile.y, motion.speed(at.x), motion.energy(at.x),
-      motion.sling_tension(at.x, at.dxdt));
+template <Effects E>
+void print_row(const Mechanism<double, E>& mechanism, const Instant<double, E>& at,
+               std::FILE* out) {
+  const auto counterweight = mechanism.counterweight(at.x);
+  const auto tip = mechanism.arm_tip(at.x);
+  const auto projectile = mechanism.projectile(at.x);
+  const auto loads = mechanism.loads(at.x, at.dxdt);
+  fmt::print(out,
+             "{:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} "
+             "{:.10g} {:.10g} {:.12g} {:.10g} {:.10g} {:.10g} {:.10g}\n",
+             at.t, at.x[phi1], at.x[phi2], at.x[w1], at.x[w2], counterweight.x, counterweight.y,
+             tip.x, tip.y, projectile.x, projectile.y, mechanism.speed(at.x),
+             mechanism.energy(at.x), loads.projectile_pull, loads.tip_pull, loads.axle,
+             loads.beam_stress);
 }
 
 /// An observer of a swing that prints the rows due in each step, and remembers its end.
-template <class Stepper>
+template <class Stepper, Effects E>
 class Printer {
  public:
-  Printer(const Motion<double>& motion, std::optional<double> interval, std::FILE* out)
-      : motion_(motion), interval_(interval), out_(out) {}
+  Printer(const Scene& scene, const Design<double>& design, std::optional<double> interval,
+          std::FILE* out)
+      : motion_(scene, design), mechanism_(scene, design), interval_(interval), out_(out) {}
 
-  void operator()(const Instant<double>& from, const Instant<double>& to) {
+  void operator()(const Instant<double, E>& from, const Instant<double, E>& to) {
     if (row_ == 0) print(from);
     if (!interval_) return print(to);
     // Rows that fall on a step's end but for rounding are the step's end.
@@ -46,7 +51,7 @@ class Printer {
   }
 
   /// Prints the last moment, if no row fell on it.
-  void finish(const Outcome<double>& outcome) {
+  void finish(const Outcome<double, E>& outcome) {
     if (row_ > 0 && outcome.t <= printed_) return;
     print(instant(motion_, outcome.t, outcome.x));
   }
@@ -54,20 +59,21 @@ class Printer {
  private:
   double due() const { return static_cast<double>(row_) * *interval_; }
 
-  Instant<double> after(const Instant<double>& from, double h) {
-    Instant<double> to;
-    State<double> error;
+  Instant<double, E> after(const Instant<double, E>& from, double h) {
+    Instant<double, E> to;
+    State<double, E> error;
     advance(stepper_, motion_, from, h, to, error);
     return to;
   }
 
-  void print(const Instant<double>& at) {
-    print_row(motion_, at, out_);
+  void print(const Instant<double, E>& at) {
+    print_row(mechanism_, at, out_);
     printed_ = at.t;
     ++row_;
   }
 
-  const Motion<double>& motion_;
+  Motion<double, E> motion_;
+  Mechanism<double, E> mechanism_;
   Stepper stepper_;
   std::optional<double> interval_;
   std::FILE* out_;
@@ -88,14 +94,16 @@ Status trace(const Job& job, const Design<double>& design, std::optional<double>
     refuse(
         "interval", fmt::format("{}", *interval),
         fmt::format("at least {:g} s, which makes {:g} rows up to max-time", shortest, most_rows));
-  return with_stepper(job.solver.stepper, [&]<template <class> class Stepper>() {
-    if (!interval && is_adaptive<Stepper<double>>) interval = default_interval;
-    const Motion<double> motion(job.scene, design);
-    Printer<Stepper<double>> printer(motion, interval, out);
-    print_header(out);
-    const auto outcome = swing<Stepper<double>, double>(job.scene, design, job.solver, printer);
-    printer.finish(outcome);
-    return outcome.status;
+  return with_effects(job.scene, [&]<Effects E>() {
+    return with_stepper(job.solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+      using S = Stepper<double, E>;
+      if (!interval && is_adaptive<S>) interval = default_interval;
+      Printer<S, E> printer(job.scene, design, interval, out);
+      print_header(out);
+      const auto outcome = swing<S, double, E>(job.scene, design, job.solver, printer);
+      printer.finish(outcome);
+      return outcome.status;
+    });
   });
 }
 

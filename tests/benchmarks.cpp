@@ -38,14 +38,14 @@ constexpr double pi = boost::math::double_constants::pi;
 
 /// Newton's method for the release, in steps of `step(h)` from a state below pi: the speed there.
 template <class Step>
-double land(const Motion<double>& motion, double h, Step step) {
+double land(const Design<double>& design, double h, Step step) {
   State<double> x{};
   for (int i = 0; i < 20; ++i) {
     x = step(h);
     if (std::abs(x[phi1] - pi) < 1e-14) break;
     h += (pi - x[phi1]) / x[w1];
   }
-  return motion.speed(x);
+  return Mechanism<double>(Scene{}, design).speed(x);
 }
 
 /// Odeint as its manual shows it.
@@ -63,7 +63,7 @@ double shoot_odeint(const Design<double>& design, double tolerance) {
     while (stepper.try_step(system, x, t, h) == odeint::fail) {
     }
     if (x[phi1] < pi) continue;
-    return land(motion, t - at, [&](double step) {
+    return land(design, t - at, [&](double step) {
       PlainDopri5 plain;  // a new one: it keeps the rates of its last step
       State<double> to = before;
       plain.do_step(system, to, at, step);
@@ -93,7 +93,7 @@ double shoot_gsl(const Design<double>& design, double tolerance) {
     gsl_odeiv2_evolve_apply(evolve, control, step, &system, &t, 10, &h, x.data());
   }
   const double speed =
-      land(motion, (t - at) * (pi - before[phi1]) / (x[phi1] - before[phi1]), [&](double length) {
+      land(design, (t - at) * (pi - before[phi1]) / (x[phi1] - before[phi1]), [&](double length) {
         State<double> to = before, error;
         gsl_odeiv2_step_reset(step);
         gsl_odeiv2_step_apply(step, at, length, to.data(), error.data(), nullptr, nullptr, &system);
@@ -141,7 +141,7 @@ double shoot_cvode(const Design<double>& design, double tolerance) {
   CVodeFree(&cvode);
   N_VDestroy(x);
   SUNContext_Free(&context);
-  return motion.speed(end);
+  return Mechanism<double>(Scene{}, design).speed(end);
 }
 
 /// One row of the table.
@@ -175,7 +175,7 @@ struct LaneSteps {
 LaneSteps run_lanes(const Solver& solver, const std::vector<Design<double>>& designs,
                     std::vector<double>& speeds) {
   std::vector<Shot> shots(designs.size());
-  const auto made = integrate(Scene{}, solver, designs, shots);
+  const auto made = integrate(Scene{}, solver, designs, {}, shots, {});
   double tried = 0;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     speeds[i] = shots[i].speed;
@@ -374,9 +374,10 @@ void print_lanes(const std::vector<Entry>& list, const std::vector<Design<double
     if (!entry.lanes) continue;
     const auto [tried, made] = run_lanes(*entry.lanes, designs, speeds);
     const double steps = tried / static_cast<double>(designs.size());
-    const int count = with_stepper(entry.lanes->stepper, []<template <class> class Stepper>() {
-      return operations_per_step<Stepper<Counted>>();
-    });
+    const int count = with_stepper(
+        entry.lanes->stepper, []<template <class, Effects = Effects{}> class Stepper>() {
+          return operations_per_step<Stepper<Counted>>();
+        });
     fmt::print("| {} | {} | {:.1f} | {:.1f} % | {:.2f} | {:.2f} | {} |\n", entry.lanes->stepper,
                entry.setting, steps, 100 * tried / made, 1e9 * entry.median() / steps,
                1e9 * operation * count, count);

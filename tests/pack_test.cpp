@@ -43,10 +43,13 @@ std::vector<Outcome<double>> integrate_all(const Solver& solver) {
     return true;
   };
   const auto done = [&](std::uint64_t number, const Outcome<double>& o) { outcomes[number] = o; };
-  with_stepper(solver.stepper, [&]<template <class> class Stepper>() {
-    using T = Pack<R>;
-    Swings<Stepper<T>, T, decltype(next), decltype(done)>(Scene{}, solver, next, done).run();
-  });
+  with_stepper(
+      solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+        using T = Pack<R>;
+        Swings<Stepper<T>, T, Effects{}, decltype(next), decltype(done)>(Scene{}, solver, {}, {},
+                                                                         next, done)
+            .run();
+      });
   return outcomes;
 }
 
@@ -108,21 +111,19 @@ TEST_CASE("A product that is added is one fused multiply-add where the machine h
   CHECK((One(1) - One(a) * One(b))[0] == -expected);
 }
 
-TEST_CASE("Outcomes are the same to the bit in packs of one, two and three registers") {
+TEST_CASE("Outcomes are the same to the bit in packs of one and of two registers") {
   for (const auto name : stepper_names)
     for (const Release release : {Release::crossing, Release::window}) {
       Solver solver;
       solver.stepper = name;
       solver.release = release;
       solver.max_time = 0.75;  // some are released, some are not
-      const auto one = integrate_all<1>(solver), two = integrate_all<2>(solver),
-                 three = integrate_all<3>(solver);
+      const auto one = integrate_all<1>(solver), two = integrate_all<2>(solver);
       std::size_t released = 0;
       for (std::size_t i = 0; i < one.size(); ++i) {
         INFO(name << " " << i << " " << one[i].t << " " << two[i].t << " status "
                   << static_cast<int>(one[i].status) << static_cast<int>(two[i].status));
         REQUIRE(same_bits(one[i], two[i]));
-        REQUIRE(same_bits(one[i], three[i]));
         released += one[i].status == Status::released;
       }
       CHECK(released > 0);
@@ -138,9 +139,10 @@ TEST_CASE("Lanes agree with the same swing in single numbers") {
     const auto lanes = integrate_all<1>(solver);
     for (int i = 0; i < 200; i += 9) {
       const Design<double> design{0.51 + 0.004 * i, 0.3 + 0.0011 * i, 1.1 - 0.005 * i};
-      const auto alone = with_stepper(name, [&]<template <class> class Stepper>() {
-        return swing<Stepper<double>, double>(Scene{}, design, solver);
-      });
+      const auto alone = with_stepper(
+          name, [&]<template <class, Effects = Effects{}> class Stepper>() {
+            return swing<Stepper<double>, double>(Scene{}, design, solver);
+          });
       const auto& o = lanes[static_cast<std::size_t>(i)];
       CHECK(o.status == alone.status);
       CHECK(o.speed == Approx(alone.speed).margin(1e-8));

@@ -49,18 +49,19 @@ TEST_CASE("Each stepper converges at its order") {
 TEST_CASE("A step carries the right-hand side at its end") {
   const Motion<double> motion(Scene{}, {0.51, 0.58, 0.91});
   for (const auto name : stepper_names)
-    with_stepper(name, [&]<template <class> class Stepper>() {
-      Stepper<double> stepper;
-      Instant<double> to;
-      State<double> error;
-      advance(stepper, motion, instant(motion, 0.25, {0.4, -0.3, 1, -2}), 0.125, to, error);
-      const auto same = instant(motion, 0.375, to.x);
-      CHECK(to.t == 0.375);
-      // An adaptive stepper integrates the directions, up to its error.
-      const double margin = is_adaptive<Stepper<double>> ? 1e-4 : 0;
-      CHECK(distance(to.at, same.at) <= margin);
-      CHECK(distance(to.dxdt, same.dxdt) <= 100 * margin);
-    });
+    with_stepper(
+        name, [&]<template <class, Effects = Effects{}> class Stepper>() {
+          Stepper<double> stepper;
+          Instant<double> to;
+          State<double> error;
+          advance(stepper, motion, instant(motion, 0.25, {0.4, -0.3, 1, -2}), 0.125, to, error);
+          const auto same = instant(motion, 0.375, to.x);
+          CHECK(to.t == 0.375);
+          // An adaptive stepper integrates the directions, up to its error.
+          const double margin = is_adaptive<Stepper<double>> ? 1e-4 : 0;
+          CHECK(distance(to.at, same.at) <= margin);
+          CHECK(distance(to.dxdt, same.dxdt) <= 100 * margin);
+        });
 }
 
 TEST_CASE("The error estimate of an adaptive stepper shrinks with its order") {
@@ -68,20 +69,23 @@ TEST_CASE("The error estimate of an adaptive stepper shrinks with its order") {
       long double;  // at steps short enough for the order, fehlberg78 is below double's rounding
   const Motion<Real> motion(Scene{}, {Real(0.51), Real(0.58), Real(0.91)});
   for (const auto name : stepper_names)
-    with_stepper(name, [&]<template <class> class Stepper>() {
-      if constexpr (is_adaptive<Stepper<Real>>) {
-        Stepper<Real> stepper;
-        const auto from = instant<Real>(motion, 0, {Real(0.4), Real(-0.3), 1, -2});
-        Instant<Real> to;
-        State<Real> error{}, half{};
-        advance(stepper, motion, from, Real(0.02), to, error);
-        advance(stepper, motion, from, Real(0.01), to, half);
-        const auto order = static_cast<double>(std::log2(distance(error, {}) / distance(half, {})));
-        CHECK(order == Approx(stepper.error_order() + 1).margin(0.25));
-      }
-    });
+    with_stepper(
+        name, [&]<template <class, Effects = Effects{}> class Stepper>() {
+          if constexpr (is_adaptive<Stepper<Real>>) {
+            Stepper<Real> stepper;
+            const auto from = instant<Real>(motion, 0, {Real(0.4), Real(-0.3), 1, -2});
+            Instant<Real> to;
+            State<Real> error{}, half{};
+            advance(stepper, motion, from, Real(0.02), to, error);
+            advance(stepper, motion, from, Real(0.01), to, half);
+            const auto order =
+                static_cast<double>(std::log2(distance(error, {}) / distance(half, {})));
+            CHECK(order == Approx(stepper.error_order() + 1).margin(0.25));
+          }
+        });
 }
 
 TEST_CASE("An unknown stepper is refused") {
-  REQUIRE_THROWS_AS(with_stepper("leapfrog", []<template <class> class>() {}), std::logic_error);
+  REQUIRE_THROWS_AS(with_stepper("leapfrog", []<template <class, Effects = Effects{}> class>(){}),
+                    std::logic_error);
 }

@@ -59,7 +59,7 @@ TEST_CASE("Every cell of a sweep is, to the bit, its design integrated alone") {
             }
             const Design<double> design = lattice.design({a, b, c});
             Shot alone;
-            integrate(job.scene, job.solver, {&design, 1}, {&alone, 1});
+            integrate(job.scene, job.solver, {&design, 1}, {}, {&alone, 1}, {});
             REQUIRE(same_bits(speed[cell], alone.speed));
             REQUIRE(same_bits(time[cell], alone.release_time));
             REQUIRE(status[cell] == static_cast<double>(alone.status));

@@ -6,8 +6,25 @@
 
 namespace trebsweep {
 
-/// A quantity that a sweep can map over the lattice.
-enum class Field { speed, release_time, status };
+/// A quantity that a sweep can map over the lattice. Each is computed only where it is asked for.
+enum class Field {
+  speed,
+  release_time,
+  status,
+  sling_angle,
+  arm_rate,
+  sling_rate,
+  kinetic_energy,
+  efficiency,
+  range,
+  energy_drift,
+  steps,
+  slack,
+  least_sling_tension,
+  peak_sling_tension,
+  peak_axle_load,
+  peak_beam_stress
+};
 
 /// How a field is called and described.
 struct FieldInfo {
@@ -17,14 +34,46 @@ struct FieldInfo {
 };
 
 /// In the order of Field.
-inline constexpr std::array<FieldInfo, 3> field_info{{
+inline constexpr std::array<FieldInfo, 16> field_info{{
     {"speed", "m s-1", "speed of the projectile at release"},
     {"release-time", "s", "time from the start to the release"},
     {"status", "", "what became of the design"},
+    {"sling-angle", "rad", "angle of the sling from the downward vertical at release"},
+    {"arm-rate", "rad s-1", "rate of the arm's angle at release"},
+    {"sling-rate", "rad s-1", "rate of the sling's angle at release"},
+    {"kinetic-energy", "J", "kinetic energy of the projectile at release"},
+    {"efficiency", "1", "projectile's kinetic energy over the potential energy given up"},
+    {"range", "m", "way over ground of a free flight in vacuum from the release"},
+    {"energy-drift", "1",
+     "energy and losses at release less energy at the start, over that given up"},
+    {"steps", "1", "steps tried"},
+    {"slack", "", "whether the sling would go slack before the release"},
+    {"least-sling-tension", "N", "least pull of the sling on the projectile until the release"},
+    {"peak-sling-tension", "N", "largest pull of the sling on the arm until the release"},
+    {"peak-axle-load", "N", "largest force on the axle until the release"},
+    {"peak-beam-stress", "Pa",
+     "largest bending stress of the beam at the fulcrum until the release"},
 }};
 
 inline constexpr const FieldInfo& info(Field field) {
   return field_info[static_cast<std::size_t>(field)];
 }
+
+/// Whether the field has flags for values, and not numbers.
+inline constexpr bool is_flag(Field field) {
+  return field == Field::status || field == Field::slack;
+}
+
+/// Names of the field slack's flags: of designs without a shot, and then of 0 and 1.
+inline constexpr std::array<std::string_view, 3> slack_names{"no_shot", "taut", "slack"};
+
+/// Whether every Shot has it.
+inline constexpr bool is_basic(Field field) {
+  return field == Field::speed || field == Field::release_time || field == Field::status ||
+         field == Field::steps;
+}
+
+/// Whether the field looks at the loads all along the swing.
+inline constexpr bool is_load(Field field) { return field >= Field::slack; }
 
 }  // namespace trebsweep

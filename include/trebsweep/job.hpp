@@ -15,11 +15,15 @@ namespace trebsweep {
 /// The number type of the maps in the archive.
 enum class Storage { float64, float32 };
 
+/// Which shots compete for the optimum: all, or those whose sling never goes slack.
+enum class Contest { all, taut };
+
 /// What a job stores, and where.
 struct Output {
   std::string file;  ///< the archive's path
   std::vector<Field> fields = {Field::speed, Field::release_time, Field::status};
   Storage storage = Storage::float64;
+  Contest contest = Contest::all;
   int compression = 0;  ///< deflate level, 0 (off) to 9
 };
 
@@ -46,8 +50,9 @@ const std::vector<Key>& job_keys();
 /// Values given on the command line, by key name.
 using Overrides = std::map<std::string, std::string>;
 
-/// The job of a job file's text; `name` is the file's name, for messages and for the archive's
-/// default name (its stem + ".h5"). Throws InputError.
+/// The job of a job file's text; `name` is the file's name, for messages, for the archive's
+/// default name (its stem + ".h5"), and for the place of the scene file that the job may name: that
+/// file's [scene] stands for what the job's own leaves out. Throws InputError.
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides);
 
 /// The text of a job file. Throws InputError if it is missing, unreadable or no text.

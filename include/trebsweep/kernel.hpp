@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "trebsweep/field.hpp"
 #include "trebsweep/scene.hpp"
 #include "trebsweep/solver.hpp"
 #include "trebsweep/status.hpp"
@@ -23,11 +24,14 @@ struct Shot {
 std::string_view instruction_set();
 
 /// Integrates designs, many at a time; shots[i] is that of designs[i], to the bit whatever its
-/// neighbours are. Returns how many steps lanes have made, idle ones included: the share of the
-/// shots' steps in it is the lanes' utilisation.
+/// neighbours are, and values[i fields.size() + f] its field f, NaN without a release. Speed,
+/// release time, status and steps are in the shots, not among `fields`. Returns how many steps
+/// lanes have made, idle ones included: the share of the shots' steps in it is the lanes'
+/// utilisation.
 ///
 /// This is the library that exists once per instruction set; nothing else is compiled for it.
 std::uint64_t integrate(const Scene& scene, const Solver& solver,
-                        std::span<const Design<double>> designs, std::span<Shot> shots);
+                        std::span<const Design<double>> designs, std::span<const Field> fields,
+                        std::span<Shot> shots, std::span<double> values);
 
 }  // namespace trebsweep

@@ -41,13 +41,13 @@ void find_root(F f, T low, T high, T guess, const T& precision) {
 
 /// The part of a step from `from` to `to` after which phi1 = pi, by the quintic Hermite
 /// interpolation of the time over phi1; a guess.
-template <class T>
-T guess_release(const Instant<T>& from, const Instant<T>& to, const T& h) {
+template <class T, Effects E>
+T guess_release(const Instant<T, E>& from, const Instant<T, E>& to, const T& h) {
   const T pi = boost::math::constants::pi<typename Lanes<T>::Number>();
   const T turn = to.x[phi1] - from.x[phi1];
   // Slope and curvature at both ends, of step parts over parts of the turn.
-  const auto slope = [&](const Instant<T>& at) { return T(turn / T(h * at.x[w1])); };
-  const auto curvature = [&](const Instant<T>& at, const T& m) {
+  const auto slope = [&](const Instant<T, E>& at) { return T(turn / T(h * at.x[w1])); };
+  const auto curvature = [&](const Instant<T, E>& at, const T& m) {
     return T(-at.dxdt[w1] * h * h / turn * m * m * m);
   };
   const T m0 = slope(from), m1 = slope(to);
@@ -64,17 +64,17 @@ T guess_release(const Instant<T>& from, const Instant<T>& to, const T& h) {
 ///
 /// `to` may also be a turning point, where w1 = 0. The last part of the way, at most 1e-6 of the
 /// step, is a straight line: its error is 1e-12 of how the step bends.
-template <class Stepper, class T>
-Instant<T> release_between(Stepper& stepper, const Motion<T>& motion, const Instant<T>& from,
-                           const Instant<T>& to) {
+template <class Stepper, class T, Effects E>
+Instant<T, E> release_between(Stepper& stepper, const Motion<T, E>& motion,
+                              const Instant<T, E>& from, const Instant<T, E>& to) {
   using std::abs;
   using std::sqrt;
   using Number = typename Lanes<T>::Number;
   const T pi = boost::math::constants::pi<Number>();
   const T h = to.t - from.t;
   const T precision = T(sqrt(T(4500 * std::numeric_limits<Number>::epsilon())));
-  Instant<T> at;
-  State<T> error;
+  Instant<T, E> at;
+  State<T, E> error;
   const auto distance = [&](const T& part) {
     advance(stepper, motion, from, T(part * h), at, error);
     return ValueAndSlope<T>{at.x[phi1] - pi, h * at.x[w1]};
@@ -88,17 +88,18 @@ Instant<T> release_between(Stepper& stepper, const Motion<T>& motion, const Inst
   return at;
 }
 
-/// The moment of the step from `from` (w1 > 0) to `to` (w1 < 0) at which the arm turns back.
-template <class Stepper, class T>
-Instant<T> turn_between(Stepper& stepper, const Motion<T>& motion, const Instant<T>& from,
-                        const Instant<T>& to) {
+/// The moment of the step from `from` to `to` at which the arm turns back: w1 changes its sign.
+template <class Stepper, class T, Effects E>
+Instant<T, E> turn_between(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& from,
+                           const Instant<T, E>& to) {
   using Number = typename Lanes<T>::Number;
   const T h = to.t - from.t;
-  Instant<T> at;
-  State<T> error;
+  Instant<T, E> at;
+  State<T, E> error;
+  const T sign = select(from.x[w1] > T(0), T(-1), T(1));  // find_root wants it to increase
   const auto slowing = [&](const T& part) {
     advance(stepper, motion, from, T(part * h), at, error);
-    return ValueAndSlope<T>{-at.x[w1], -h * at.dxdt[w1]};
+    return ValueAndSlope<T>{sign * at.x[w1], T(sign * h) * at.dxdt[w1]};
   };
   find_root(slowing, T(0), T(1), T(from.x[w1] / T(from.x[w1] - to.x[w1])),
             T(8 * std::numeric_limits<Number>::epsilon()));

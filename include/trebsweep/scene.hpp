@@ -17,7 +17,35 @@ struct Scene {
   double beam_side = 0.10;      ///< s, m: side of the beam's square section
   BeamInertia beam_inertia = BeamInertia::slender;
   double sling_angle = 0;  ///< phi2(0), rad
+  double pivot_viscosity =
+      0;  ///< N m s/rad: the beam's turning is resisted by a torque of this x w1
+  double pivot_friction = 0;  ///< N m: a dry torque, which also holds a beam at rest
+  double sling_mass = 0;      ///< kg, spread evenly along the sling
+  double sling_stiffness =
+      0;                     ///< N/m: the sling pulls in proportion to its stretch; 0: it is rigid
+  double sling_damping = 0;  ///< N s/m: and to the stretch's rate
 };
+
+/// The effects that change the form of the equations; they are compiled in or not. The others,
+/// masses and inertias, change constants alone.
+struct Effects {
+  bool pivot = false;    ///< friction at the fulcrum, viscous and dry
+  bool elastic = false;  ///< an elastic sling
+};
+
+inline Effects effects(const Scene& scene) {
+  return {scene.pivot_viscosity > 0 || scene.pivot_friction > 0, scene.sling_stiffness > 0};
+}
+
+/// Calls f<Effects>() with the effects of a scene.
+template <class F>
+auto with_effects(const Scene& scene, F&& f) {
+  const auto [pivot, elastic] = effects(scene);
+  if (pivot && elastic) return f.template operator()<Effects{true, true}>();
+  if (pivot) return f.template operator()<Effects{true, false}>();
+  if (elastic) return f.template operator()<Effects{false, true}>();
+  return f.template operator()<Effects{}>();
+}
 
 /// One point of the design space, in metres.
 template <class T>

@@ -22,10 +22,12 @@ struct ErrorRatio {
 
 /// The largest error of a step in units of the allowed one. Where the step's end or error is not
 /// finite, NaN, so that the step is not good; Odeint's own test lets NaN pass.
-template <class T>
-[[gnu::always_inline]] inline ErrorRatio<T> error_ratio(const Instant<T>& from,
-                                                        const Instant<T>& to, const State<T>& error,
-                                                        const T& h, double tolerance) {
+template <class T, Effects E>
+[[gnu::always_inline]] inline ErrorRatio<T> error_ratio(const Instant<T, E>& from,
+                                                        const Instant<T, E>& to,
+                                                        const State<T, E>& error,
+                                                        const std::type_identity_t<T>& h,
+                                                        double tolerance) {
   using std::abs;
   using Number = typename Lanes<T>::Number;
   const auto ratio = [&](std::size_t i) {
@@ -36,11 +38,12 @@ template <class T>
     const T p = a.error * b.allowed, q = b.error * a.allowed;
     return ErrorRatio<T>{select(p < q, q, p), a.allowed * b.allowed};
   };
-  const auto [largest, scale] = larger(larger(ratio(0), ratio(1)), larger(ratio(2), ratio(3)));
+  ErrorRatio<T> largest = larger(larger(ratio(phi1), ratio(phi2)), larger(ratio(w1), ratio(w2)));
+  if constexpr (E.elastic) largest = larger(largest, larger(ratio(length), ratio(stretching)));
   T sum = 0;
-  for (std::size_t i = 0; i < 4; ++i) sum += T(T(to.x[i] + to.dxdt[i]) + error[i]);
+  for (std::size_t i = 0; i < coordinates<E>; ++i) sum += T(T(to.x[i] + to.dxdt[i]) + error[i]);
   const T nan = std::numeric_limits<Number>::quiet_NaN();
-  return {select(is_finite_sum(sum), largest, nan), T(tolerance) * scale};
+  return {select(is_finite_sum(sum), largest.error, nan), T(tolerance) * largest.allowed};
 }
 
 /// By how much to change the step after an ErrorRatio: the usual law (Hairer, Norsett and Wanner,

@@ -44,8 +44,9 @@ struct Tally {
   double best_time = -1;
   std::uint64_t best_cell = std::numeric_limits<std::uint64_t>::max();
 
-  /// Adds a design's shot; `cell` is its number in the lattice's box, which decides between equals.
-  void add(const Shot& shot, std::uint64_t cell);
+  /// Adds a design's shot; `cell` is its number in the lattice's box, which decides between equals;
+  /// `competes` says whether it may be the optimum.
+  void add(const Shot& shot, std::uint64_t cell, bool competes = true);
 };
 
 /// The sum of what all ranks have seen, on all ranks; collective. The times are left for the
