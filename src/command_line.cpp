@@ -87,6 +87,8 @@ po::options_description command_options(Command command) {
 po::options_description key_options() {
   po::options_description options("Keys of the job file, with their defaults");
   const Job defaults;
+  options.add_options()(scene_file.c_str(), po::value<std::string>()->value_name("PATH"),
+                        "file with the scene; other keys given win over it");
   for (const Key& key : job_keys())
     options.add_options()(
         key.name.c_str(),
@@ -171,6 +173,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   line.job_file = files[0];
   for (const Key& key : job_keys())
     if (given.count(key.name)) line.overrides[key.name] = given[key.name].as<std::string>();
+  if (given.count(scene_file)) line.overrides[scene_file] = given[scene_file].as<std::string>();
 
   if (line.command == Command::sweep) {
     line.overwrite = given.count("overwrite") > 0;

@@ -23,9 +23,6 @@ namespace {
 
 namespace po = boost::program_options;
 
-/// The key that names a file with the scene; relative to the job file.
-constexpr const char* scene_file = "scene.file";
-
 /// A key with a number; `member` gives the place of it in a Job.
 template <class Member>
 Key number(const std::string& name, const std::string& help, const Range& range, Member member) {
@@ -250,9 +247,10 @@ std::vector<Key> make_keys() {
 /// The steps of an adaptive stepper leap over the window, or land in it on a later pass: it needs
 /// the crossing, which it gets unless the job says otherwise.
 void settle_release(Solver& solver, bool given) {
-  const bool adaptive = with_stepper(solver.stepper, []<template <class, Effects = Effects{}> class Stepper>() {
-    return is_adaptive<Stepper<double>>;
-  });
+  const bool adaptive = with_stepper(
+      solver.stepper, []<template <class, Effects = Effects{}> class Stepper>() {
+        return is_adaptive<Stepper<double>>;
+      });
   if (!adaptive || solver.release == Release::crossing) return;
   if (given)
     refuse("solver.release", "window",
@@ -334,11 +332,13 @@ void set_scene(Job& job, const std::string& path) {
 
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides) {
   auto options = file_options();
-  options.add_options()(scene_file, po::value<std::string>());
+  options.add_options()(scene_file.c_str(), po::value<std::string>());
   const auto given = parse_text(text, name, options);
   Job job;
   job.output.file = std::filesystem::path(name).stem().string() + ".h5";
-  if (given.count(scene_file))
+  if (overrides.count(scene_file))
+    set_scene(job, overrides.at(scene_file));
+  else if (given.count(scene_file))
     set_scene(job, std::filesystem::path(name).parent_path() / given[scene_file].as<std::string>());
   bool release_given = false;
   for (const Key& key : job_keys()) {

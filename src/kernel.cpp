@@ -45,12 +45,13 @@ constexpr std::size_t registers = 2;
     if (!shot) std::fill_n(values.begin() + number * fields.size(), fields.size(), nan);
   };
   return with_effects(scene, [&]<Effects E>() {
-    return with_stepper(solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-      using T = Pack<registers>;
-      return Swings<Stepper<T, E>, T, E, decltype(next), decltype(done)>(scene, solver, fields,
-                                                                         values, next, done)
-          .run();
-    });
+    return with_stepper(
+        solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+          using T = Pack<registers>;
+          return Swings<Stepper<T, E>, T, E, decltype(next), decltype(done)>(scene, solver, fields,
+                                                                             values, next, done)
+              .run();
+        });
   });
 }
 

@@ -95,15 +95,16 @@ Status trace(const Job& job, const Design<double>& design, std::optional<double>
         "interval", fmt::format("{}", *interval),
         fmt::format("at least {:g} s, which makes {:g} rows up to max-time", shortest, most_rows));
   return with_effects(job.scene, [&]<Effects E>() {
-    return with_stepper(job.solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-      using S = Stepper<double, E>;
-      if (!interval && is_adaptive<S>) interval = default_interval;
-      Printer<S, E> printer(job.scene, design, interval, out);
-      print_header(out);
-      const auto outcome = swing<S, double, E>(job.scene, design, job.solver, printer);
-      printer.finish(outcome);
-      return outcome.status;
-    });
+    return with_stepper(
+        job.solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+          using S = Stepper<double, E>;
+          if (!interval && is_adaptive<S>) interval = default_interval;
+          Printer<S, E> printer(job.scene, design, interval, out);
+          print_header(out);
+          const auto outcome = swing<S, double, E>(job.scene, design, job.solver, printer);
+          printer.finish(outcome);
+          return outcome.status;
+        });
   });
 }
 

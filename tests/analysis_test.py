@@ -55,9 +55,19 @@ class AnalysisTest(unittest.TestCase):
         for field in ("speed", "release-time", "status"):
             self.run_script("heatmap.py", "accurate.h5", "--field", field)
             self.assert_picture(f"accurate-{field}.png")
+        archive = self.sweep("accurate", "--output.fields", "speed, slack, peak-beam-stress, range",
+                             name="loads")
+        for field in ("slack", "peak-beam-stress", "range"):
+            self.run_script("heatmap.py", archive, "--field", field)
+            self.assert_picture(f"loads-{field}.png")
         for suffix in SIGNATURES:
             self.run_script("heatmap.py", "paper.h5", "--r1", "0.7", "-o", f"map.{suffix}")
             self.assert_picture(f"map.{suffix}")
+
+    def test_loads_of_the_best_designs(self):
+        self.run_script("loads.py", "accurate.h5", "--program", os.environ["TREBSWEEP"])
+        self.assert_picture("accurate-loads.png")
+        self.run_script("loads.py", "accurate.h5", "--count", "0", code=1)
 
     def test_heatmap_without_an_optimum_and_of_a_single_design(self):
         self.sweep("accurate", "--solver.max-time", "0.01", name="nothing")

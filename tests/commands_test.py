@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 PROGRAM = os.environ["TREBSWEEP"]
+REPOSITORY = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 MPIEXEC = os.environ["MPIEXEC"]
 JOBS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "jobs")
 COARSE = ("--lattice.increment", "0.1")
@@ -179,6 +180,45 @@ class Sweep(CommandTest):
                     maps.append([archive[field][...].tobytes()
                                  for field in ("speed", "release_time", "status")])
             self.assertEqual(maps[0], maps[1])
+
+    def test_effects_and_fields_are_bitwise_the_same_with_avx2_and_avx512_and_on_ranks(self):
+        kernels = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            levels = ["x86-64-v3", "x86-64-v4"] if "avx512dq" in file.read() else [""]
+        fields = ["speed", "status", "slack", "range", "energy-drift", "peak-sling-tension",
+                  "peak-beam-stress", "efficiency", "steps"]
+        for scene in ("friction", "heavy_sling", "elastic_sling"):
+            maps = []
+            for level in levels:
+                for ranks in (1, 2):
+                    self.run_program(
+                        "sweep", self.job, *COARSE, "--solver.stepper", "fehlberg78",
+                        "--scene.file", os.path.join(REPOSITORY, "jobs", "scenes", f"{scene}.cfg"),
+                        "--output.fields", ", ".join(fields), "--output.file", "map.h5",
+                        "--overwrite", ranks=ranks,
+                        environment={"LD_LIBRARY_PATH": os.path.join(kernels, level)})
+                    with h5py.File(self.path("map.h5")) as archive:
+                        maps.append([archive[field.replace("-", "_")][...].tobytes()
+                                     for field in fields])
+                        drift = archive["energy_drift"][...]
+                        self.assertLess(np.nanmax(abs(drift)), 1e-6)
+                        self.assertTrue({0, 1} <= set(np.unique(archive["slack"])) <= {0, 1, 2})
+            for other in maps[1:]:
+                self.assertEqual(maps[0], other)
+
+    def test_the_fastest_taut_shot_can_be_asked_for(self):
+        arguments = (*COARSE, "--scene.sling-angle", "1.5", "--solver.stepper", "fehlberg78")
+        self.run_program("sweep", self.job, *arguments, "--output.fields", "speed, slack",
+                         "--output.file", "all.h5")
+        done = self.run_program("sweep", self.job, *arguments, "--output.optimum", "taut",
+                                "--output.file", "taut.h5")
+        with h5py.File(self.path("all.h5")) as archive, h5py.File(self.path("taut.h5")) as taut:
+            slack, speed = archive["slack"][...], archive["speed"][...]
+            self.assertTrue((slack == 2).any())
+            if (slack == 1).any():
+                self.assertEqual(taut.attrs["best_speed"], speed[slack == 1].max())
+            else:
+                self.assertIn("with a taut sling", done.stdout)
 
     def test_archive_opens_in_xarray(self):
         self.run_program("sweep", self.job, *COARSE, ranks=2)

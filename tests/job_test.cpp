@@ -101,7 +101,10 @@ TEST_CASE("Values out of range are refused") {
       {"output.compression", "10"},    {"output.compression", "-1"},
       {"output.compression", "1.5"},   {"output.storage", "float16"},
       {"output.fields", "speed,sped"}, {"output.fields", "speed,speed"},
-      {"output.file", "a#b.h5"},
+      {"output.file", "a#b.h5"},       {"output.optimum", "slack"},
+      {"scene.sling-stiffness", "-1"}, {"scene.sling-damping", "-1"},
+      {"scene.pivot-viscosity", "-1"}, {"scene.pivot-friction", "-0.1"},
+      {"scene.sling-mass", "-2"},
   };
   for (const auto& [key, value] : bad)
     CHECK_THROWS_WITH(parse("", {{key, value}}), contains(key + " = " + value + ": must be "));
@@ -152,6 +155,31 @@ TEST_CASE("Missing, unreadable and binary files are refused by name") {
   std::ofstream(file) << std::string(2 << 20, '#');
   CHECK_THROWS_WITH(read_job_file(file), contains("longer than 1 MiB"));
   fs::remove(file);
+}
+
+TEST_CASE("A job may name a scene file, over which its own keys win") {
+  namespace fs = std::filesystem;
+  const fs::path scene = TEST_DIR "/job_test_scene.cfg";
+  std::ofstream(scene) << "[scene]\nsling-mass = 3\ngravity = 1.6\n";
+  const std::string job_file = TEST_DIR "/job.cfg";
+  const std::string text = "[scene]\nfile = job_test_scene.cfg\ngravity = 9\n";
+  const Job job = parse_job(text, job_file, {});
+  CHECK(job.scene.sling_mass == 3);
+  CHECK(job.scene.gravity == 9);
+  CHECK(parse("", {{"scene.file", scene.string()}}).scene.gravity == 1.6);
+  CHECK(parse(to_text(job)).scene.sling_mass == 3);  // the archive needs no other file
+  std::ofstream(scene) << "[solver]\nstepper = rk4\n";
+  CHECK_THROWS_WITH(parse_job(text, job_file, {}), contains("scene.file") && contains("stepper"));
+  fs::remove(scene);
+  CHECK_THROWS_WITH(parse_job(text, job_file, {}), contains("job_test_scene.cfg"));
+}
+
+TEST_CASE("Effects that make no sense are refused") {
+  CHECK_THROWS_WITH(parse("[scene]\nsling-damping = 5\n"),
+                    contains("scene.sling-damping = 5: must be 0 without a sling-stiffness"));
+  CHECK_THROWS_WITH(parse("[scene]\nbeam-side = 0\n[output]\nfields = peak-beam-stress\n"),
+                    contains("output.fields = peak-beam-stress: must be"));
+  CHECK(parse("[scene]\nsling-stiffness = 1e5\nsling-damping = 5\n").scene.sling_damping == 5);
 }
 
 TEST_CASE("The job files that come with the program are valid") {

@@ -48,11 +48,11 @@ inline constexpr std::array<FieldInfo, 16> field_info{{
      "energy and losses at release less energy at the start, over that given up"},
     {"steps", "1", "steps tried"},
     {"slack", "", "whether the sling would go slack before the release"},
-    {"least-sling-tension", "N", "least pull of the sling on the projectile until the release"},
-    {"peak-sling-tension", "N", "largest pull of the sling on the arm until the release"},
-    {"peak-axle-load", "N", "largest force on the axle until the release"},
+    {"least-sling-tension", "N", "least pull of the sling on the projectile"},
+    {"peak-sling-tension", "N", "largest pull of the sling on the arm"},
+    {"peak-axle-load", "N", "largest force on the axle"},
     {"peak-beam-stress", "Pa",
-     "largest bending stress of the beam at the fulcrum until the release"},
+     "largest bending stress of the beam at the fulcrum"},
 }};
 
 inline constexpr const FieldInfo& info(Field field) {
