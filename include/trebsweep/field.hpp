@@ -51,8 +51,7 @@ inline constexpr std::array<FieldInfo, 16> field_info{{
     {"least-sling-tension", "N", "least pull of the sling on the projectile"},
     {"peak-sling-tension", "N", "largest pull of the sling on the arm"},
     {"peak-axle-load", "N", "largest force on the axle"},
-    {"peak-beam-stress", "Pa",
-     "largest bending stress of the beam at the fulcrum"},
+    {"peak-beam-stress", "Pa", "largest bending stress of the beam at the fulcrum"},
 }};
 
 inline constexpr const FieldInfo& info(Field field) {

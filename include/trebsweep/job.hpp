@@ -44,8 +44,8 @@ struct Key {
   std::function<std::string(const Job&)> get;
 };
 
-/// The key that names a file with a scene: relative to the job file, or, as an option, to the current
-/// folder. It is no Key, as a Job has the scene itself.
+/// The key that names a file with a scene: relative to the job file, or, as an option, to the
+/// current folder. It is no Key, as a Job has the scene itself.
 inline const std::string scene_file = "scene.file";
 
 /// Every key, in the order of the job file.
