@@ -294,15 +294,6 @@ po::options_description file_options() {
   return options;
 }
 
-}  // namespace
-
-const std::vector<Key>& job_keys() {
-  static const std::vector<Key> keys = make_keys();
-  return keys;
-}
-
-namespace {
-
 po::variables_map parse_text(const std::string& text, const std::string& name,
                              const po::options_description& options) {
   po::variables_map given;
@@ -329,6 +320,11 @@ void set_scene(Job& job, const std::string& path) {
 }
 
 }  // namespace
+
+const std::vector<Key>& job_keys() {
+  static const std::vector<Key> keys = make_keys();
+  return keys;
+}
 
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides) {
   auto options = file_options();

@@ -108,6 +108,9 @@ std::vector<std::vector<Map>> integrate(const std::vector<Tile>& tiles, const Jo
   const auto place = [&](Field field) {
     return static_cast<std::size_t>(std::find(extra.begin(), extra.end(), field) - extra.begin());
   };
+  std::vector<std::size_t> places;  // of the job's fields among the extra ones
+  for (const Field field : job.output.fields) places.push_back(place(field));
+  const std::size_t slack = place(Field::slack);
   std::vector<std::vector<Map>> computed;
   std::size_t n = 0;
   const Index3 extent = lattice.extent();
@@ -119,11 +122,10 @@ std::vector<std::vector<Map>> integrate(const std::vector<Tile>& tiles, const Jo
       const double* const extras = values.data() + n * extra.size();
       for (std::size_t f = 0; f < maps.size(); ++f) {
         const Field field = job.output.fields[f];
-        const double value = is_basic(field) ? basic_value(shot, field) : extras[place(field)];
+        const double value = is_basic(field) ? basic_value(shot, field) : extras[places[f]];
         maps[f][cell] = is_flag(field) && std::isnan(value) ? 0 : value;
       }
-      const bool competes =
-          job.output.contest == Contest::all || extras[place(Field::slack)] == 1;  // taut
+      const bool competes = job.output.contest == Contest::all || extras[slack] == 1;  // taut
       tally.add(shot, (i[0] * extent[1] + i[1]) * extent[2] + i[2], competes);
       ++n;
     });

@@ -4,7 +4,7 @@
 #include <boost/math/differentiation/autodiff.hpp>
 #include <random>
 
-#include "trebsweep/mechanism.hpp"
+#include "trebsweep/motion.hpp"
 
 namespace trebsweep::test {
 
@@ -108,6 +108,14 @@ Sample<E> random_sample(std::mt19937& random) {
     sample.x[stretching] = uniform(-5, 5);
   }
   return sample;
+}
+
+/// The rates by the program's equations.
+template <Effects E>
+State<double, E> rates(const Sample<E>& sample) {
+  State<double, E> dxdt;
+  Motion<double, E>(sample.scene, sample.design)(sample.x, dxdt, 0);
+  return dxdt;
 }
 
 /// Calls f<E>() for every combination of effects.

@@ -2,7 +2,6 @@
 
 #include "catch.hpp"
 #include "lagrangian.hpp"
-#include "trebsweep/motion.hpp"
 
 using namespace trebsweep;
 using namespace trebsweep::test;
@@ -47,9 +46,7 @@ TEST_CASE("The energy's rate is what friction takes") {
     for (int i = 0; i < 300; ++i) {
       const auto s = random_sample<E>(random);
       const Mechanism<double, E> mechanism(s.scene, s.design);
-      const Motion<double, E> motion(s.scene, s.design);
-      State<double, E> dxdt;
-      motion(s.x, dxdt, 0);
+      const auto dxdt = rates(s);
       const auto energy_after = [&](double t) {
         auto x = s.x;
         for (std::size_t k = 0; k < x.size(); ++k) x[k] += t * dxdt[k];
@@ -71,8 +68,7 @@ TEST_CASE("Places, speed and pull of the sling follow from the projectile's path
     for (int i = 0; i < 100; ++i) {
       const auto s = random_sample<E>(random);
       const Mechanism<double, E> mechanism(s.scene, s.design);
-      State<double, E> dxdt;
-      Motion<double, E>(s.scene, s.design)(s.x, dxdt, 0);
+      const auto dxdt = rates(s);
       const auto at = path(s, dxdt);
       REQUIRE(mechanism.projectile(s.x).x == Approx(at.x3.derivative(0)));
       REQUIRE(mechanism.projectile(s.x).y == Approx(at.y3.derivative(0)));
@@ -107,8 +103,7 @@ TEST_CASE("The axle bears what all masses' accelerations ask for") {
     for (int i = 0; i < 100; ++i) {
       const auto s = random_sample<E>(random);
       const Mechanism<double, E> mechanism(s.scene, s.design);
-      State<double, E> dxdt;
-      Motion<double, E>(s.scene, s.design)(s.x, dxdt, 0);
+      const auto dxdt = rates(s);
       const auto at = path(s, dxdt);
       const double per_metre = s.scene.beam_density * s.scene.beam_side * s.scene.beam_side;
       const double m2 = per_metre * (s.design.r1 + s.design.r2);
@@ -134,8 +129,7 @@ TEST_CASE("The bending moment balances on both sides of the fulcrum") {
     auto s = random_sample<Effects{}>(random);
     s.scene.beam_inertia = BeamInertia::slender;
     const Mechanism<double> mechanism(s.scene, s.design);
-    State<double> dxdt;
-    Motion<double>(s.scene, s.design)(s.x, dxdt, 0);
+    const auto dxdt = rates(s);
     const double side = s.scene.beam_side, per_metre = s.scene.beam_density * side * side;
     const double r1 = s.design.r1, sine = std::sin(s.x[phi1]), g = s.scene.gravity;
     const double m1 = s.scene.counterweight_mass;

@@ -57,6 +57,13 @@ State<T, E> start(const Scene& scene, const Design<T>& design) {
   }
 }
 
+/// Pull of an elastic sling, N, stretched by so much at such a rate: it never pushes.
+template <class T>
+T elastic_pull(const T& stretch, const T& rate, const T& stiffness, const T& damping) {
+  const T force = stiffness * stretch + damping * rate;
+  return select((stretch > T(0)) & (force > T(0)), force, T(0));
+}
+
 /// What bodies and joints bear at a moment.
 template <class T>
 struct Loads {
@@ -110,11 +117,10 @@ class Mechanism {
       return design_.r3;
   }
 
-  /// Pull of an elastic sling, N, which never pushes.
-  T sling_force(const X& x) const {
-    const T stretch = x[length] - design_.r3;
-    const T force = T(scene_.sling_stiffness) * stretch + T(scene_.sling_damping) * x[stretching];
-    return select((stretch > T(0)) & (force > T(0)), force, T(0));
+  /// Pull of an elastic sling, N.
+  T sling_pull(const X& x) const {
+    return elastic_pull(T(x[length] - design_.r3), x[stretching], T(scene_.sling_stiffness),
+                        T(scene_.sling_damping));
   }
 
   /// Kinetic energy of counterweight, beam, sling and projectile, J: (14) + (15) + (20), and
@@ -159,7 +165,7 @@ class Mechanism {
     if constexpr (E.elastic) {
       const T stretch = x[length] - design_.r3;
       const T spring = T(scene_.sling_stiffness) * select(stretch > T(0), stretch, T(0));
-      sum += T(sling_force(x) - spring) * x[stretching];
+      sum += T(sling_pull(x) - spring) * x[stretching];
     }
     return sum;
   }
@@ -221,7 +227,7 @@ class Mechanism {
         arm_inertia * dxdt[w1] + per_metre * g * r2 * r2 * a.x / T(2) - r2 * dot(pull, turned(a));
     Loads<T> loads;
     if constexpr (E.elastic)
-      loads.projectile_pull = sling_force(x);
+      loads.projectile_pull = sling_pull(x);
     else
       loads.projectile_pull = m3 * dot(end, e);
     loads.tip_pull = dot(pull, e);

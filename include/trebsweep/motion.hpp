@@ -24,15 +24,12 @@ namespace trebsweep {
 ///   M1 r2 (w1' cos D - w1^2 sin D) + M2 (l w2' + 2 l' w2) = -g M1 sin phi2,
 ///   M2 (l'' - l w2^2) - M1 r2 (w1' sin D + w1^2 cos D) = g M1 cos phi2 - S.
 /// With l'' and w2' from the last two, all that is left of them in the first is
-///   (I0 + (M - M1^2/M2) r2^2) w1' = g (m1 r1 - m2 r - (M - M1^2/M2) r2) sin phi1 - M1/M2 r2 S sin
-///   D + Q.
+///   (I0 + m r2^2) w1' = g (m1 r1 - m2 r - m r2) sin phi1 - M1/M2 r2 S sin D + Q, m = M - M1^2/M2.
 /// For a rigid sling, l = r3, and the first two give (40) and (36), here divided by M1^2/M2 r2^2:
 /// the form that needs the fewest operations. A sling's mass changes its constants alone.
 template <class T, Effects E = Effects{}>
 class Motion {
  public:
-  static constexpr Effects effects = E;
-
   Motion() = default;
   Motion(const Scene& scene, const Design<T>& design) : g_r2_(scene.gravity / design.r2) {
     const SlingMasses m(scene);
@@ -76,9 +73,8 @@ class Motion {
     dxdt[phi1] = x[w1];
     dxdt[phi2] = x[w2];
     if constexpr (E.elastic) {
-      const T stretch = x[length] - sling_.r3;
-      const T force = sling_.stiffness * stretch + sling_.damping * x[stretching];
-      const T pull = select((stretch > T(0)) & (force > T(0)), force, T(0));
+      const T pull =
+          elastic_pull(T(x[length] - sling_.r3), x[stretching], sling_.stiffness, sling_.damping);
       const T torque = torque_ * at[sin1] - sling_.arm_inertia * pull * sinD;
       const T acceleration1 = with_friction(torque, x[w1]);
       const T across = T(w1w1 * sinD - weight) - acceleration1 * cosD;

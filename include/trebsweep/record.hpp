@@ -73,9 +73,9 @@ Record<T> watch(Record<T> record, Stepper& stepper, const Motion<T, E>& motion,
   return record;
 }
 
-/// Whether a field of a scene with these effects needs a Record.
-inline constexpr bool needs_record(Field field, Effects effects) {
-  return is_load(field) || (field == Field::energy_drift && (effects.pivot || effects.elastic));
+/// Whether a field of a scene needs a Record.
+inline bool needs_record(Field field, const Scene& scene) {
+  return is_load(field) || (field == Field::energy_drift && is_dissipative(scene));
 }
 
 /// Whether the projectile is below the ground, where it has no range.
@@ -123,7 +123,9 @@ T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T,
     case Field::slack:  // an elastic sling does not push: its pull ends at zero
       return select(E.elastic ? record.least_pull <= T(0) : record.least_pull < T(0), T(2), T(1));
     case Field::least_sling_tension:
-      return record.least_pull;
+      // Nor below: the parabola through its samples may.
+      return E.elastic ? select(record.least_pull > T(0), record.least_pull, T(0))
+                       : record.least_pull;
     case Field::peak_sling_tension:
       return record.peak_pull;
     case Field::peak_axle_load:

@@ -37,6 +37,11 @@ inline Effects effects(const Scene& scene) {
   return {scene.pivot_viscosity > 0 || scene.pivot_friction > 0, scene.sling_stiffness > 0};
 }
 
+/// Whether some effect takes energy away.
+inline bool is_dissipative(const Scene& scene) {
+  return scene.pivot_viscosity > 0 || scene.pivot_friction > 0 || scene.sling_damping > 0;
+}
+
 /// Calls f<Effects>() with the effects of a scene.
 template <class F>
 auto with_effects(const Scene& scene, F&& f) {

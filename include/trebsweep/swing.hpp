@@ -444,7 +444,7 @@ class Swings {
       Number(solver_.release == Release::window ? solver_.release_window * (1 + 1e-9) : 0);
   const std::uint64_t step_limit_ = step_limit(solver_);
   const bool recording_ = std::any_of(fields_.begin(), fields_.end(),
-                                      [](Field field) { return needs_record(field, E); });
+                                      [&](Field field) { return needs_record(field, scene_); });
   const bool ranging_ = std::count(fields_.begin(), fields_.end(), Field::range) > 0;
 
   Flight flight_{};
