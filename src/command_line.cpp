@@ -26,6 +26,8 @@ Usage:
                                      (in parallel: mpirun -n RANKS trebsweep sweep JOB)
   trebsweep trace JOB --r1 M --r2 M --r3 M [options]
                                      print one design's swing as a table
+  trebsweep assess JOB [options]     measure errors, run times and stability of steppers -> tables
+                                     (in parallel, like sweep)
   trebsweep COMMAND --help           the options of a command, with every key of a job file
   trebsweep --version
 
@@ -65,11 +67,21 @@ Prints the swing of one design, from rest to its release, as a table with the co
 
 )";
 
+const char* const assess_help =
+    R"(Usage: trebsweep assess JOB [options]
+
+Holds steppers and their settings against references in quadruple precision, on a sample of the designs
+of each scene that [assess] names (or of the job's own): errors, steps, run time, order of convergence,
+the largest stable step, errors on the whole lattice; and names the cheapest solver for a wanted error.
+The tables are printed, and written into output.file, where xarray reads each as a group.
+
+)";
+
 po::options_description command_options(Command command) {
   po::options_description options("Options");
   auto add = options.add_options();
   add("help,h", "this text");
-  if (command == Command::sweep) {
+  if (command != Command::trace) {
     add("overwrite", "replace the archive, or the unfinished one, that is there");
     add("progress", po::value<std::string>()->value_name("STYLE"),
         "on stderr: auto, bar, lines or none");
@@ -98,9 +110,11 @@ po::options_description key_options() {
 }
 
 std::string help_of(Command command) {
+  const char* const help = command == Command::sweep    ? sweep_help
+                           : command == Command::assess ? assess_help
+                                                        : trace_help;
   std::ostringstream text;
-  text << (command == Command::sweep ? sweep_help : trace_help) << command_options(command) << "\n"
-       << key_options();
+  text << help << command_options(command) << "\n" << key_options();
   return text.str();
 }
 
@@ -138,7 +152,9 @@ double length(const po::variables_map& given, const std::string& name) {
 Command to_command(const std::string& name) {
   if (name == "sweep") return Command::sweep;
   if (name == "trace") return Command::trace;
-  throw InputError(fmt::format("{}: unknown command; the commands are sweep and trace", name));
+  if (name == "assess") return Command::assess;
+  throw InputError(
+      fmt::format("{}: unknown command; the commands are sweep, trace and assess", name));
 }
 
 ProgressStyle to_progress(const std::string& value) {
@@ -175,7 +191,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     if (given.count(key.name)) line.overrides[key.name] = given[key.name].as<std::string>();
   if (given.count(scene_file)) line.overrides[scene_file] = given[scene_file].as<std::string>();
 
-  if (line.command == Command::sweep) {
+  if (line.command != Command::trace) {
     line.overwrite = given.count("overwrite") > 0;
     if (given.count("progress")) line.progress = to_progress(given["progress"].as<std::string>());
   } else {

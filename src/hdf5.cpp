@@ -11,14 +11,6 @@ herr_t remember_cause(unsigned n, const H5E_error2_t* error, void* reason) {
   return 0;
 }
 
-Datatype text_type() {
-  // Variable length and UTF-8: what h5py and netCDF read as str.
-  Datatype type(H5Tcopy(H5T_C_S1), "make a text type");
-  check(H5Tset_size(type, H5T_VARIABLE), "make a text type");
-  check(H5Tset_cset(type, H5T_CSET_UTF8), "make a text type");
-  return type;
-}
-
 void write(hid_t object, const std::string& name, hid_t type, const void* value) {
   const std::string what = "write attribute " + name;
   const Dataspace space(H5Screate(H5S_SCALAR), what);
@@ -37,6 +29,13 @@ void fail(const std::string& what) {
   std::string reason;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, remember_cause, &reason);
   throw std::runtime_error("cannot " + what + (reason.empty() ? "" : ": " + reason));
+}
+
+Datatype text_type() {
+  Datatype type(H5Tcopy(H5T_C_S1), "make a text type");
+  check(H5Tset_size(type, H5T_VARIABLE), "make a text type");
+  check(H5Tset_cset(type, H5T_CSET_UTF8), "make a text type");
+  return type;
 }
 
 void write_attribute(hid_t object, const std::string& name, const std::string& value) {

@@ -16,7 +16,7 @@
 
 #include "trebsweep/error.hpp"
 #include "trebsweep/number.hpp"
-#include "trebsweep/stepper.hpp"
+#include "trebsweep/steppers.hpp"
 
 namespace trebsweep {
 namespace {
@@ -42,6 +42,37 @@ Key whole_number(const std::string& name, const std::string& help, std::uint64_t
             member(job) = static_cast<std::decay_t<decltype(member(job))>>(n);
           },
           [=](const Job& job) { return fmt::format("{}", member(job)); }};
+}
+
+/// The words of a list, which commas, blanks or both divide.
+std::vector<std::string> to_words(const std::string& value) {
+  std::vector<std::string> words;
+  boost::split(words, boost::trim_copy(value), boost::is_any_of(", "), boost::token_compress_on);
+  return words;
+}
+
+/// A key with a list of numbers, at least one.
+template <class Member>
+Key numbers(const std::string& name, const std::string& help, const Range& range, Member member) {
+  return {name, fmt::format("{}; a list, each {}", help, range.text()),
+          [=](Job& job, const std::string& value) {
+            member(job).clear();
+            for (const std::string& word : to_words(value))
+              member(job).push_back(to_number(name, word, range));
+          },
+          [=](const Job& job) { return fmt::format("{}", fmt::join(member(job), ", ")); }};
+}
+
+/// A key with a list of paths.
+template <class Member>
+Key paths(const std::string& name, const std::string& help, Member member) {
+  return {name, help,
+          [=](Job& job, const std::string& value) {
+            member(job).clear();
+            for (const std::string& word : to_words(value))
+              if (!word.empty()) member(job).push_back(word);
+          },
+          [=](const Job& job) { return fmt::format("{}", fmt::join(member(job), ", ")); }};
 }
 
 template <class Names>
@@ -70,6 +101,17 @@ Key stepper_key() {
             job.solver.stepper = stepper_names[to_choice("solver.stepper", value, stepper_names)];
           },
           [](const Job& job) { return job.solver.stepper; }};
+}
+
+Key steppers_key() {
+  const std::string name = "assess.steppers";
+  return {name, fmt::format("a list of {}", fmt::join(stepper_names, ", ")),
+          [=](Job& job, const std::string& value) {
+            job.assess.steppers.clear();
+            for (const std::string& word : to_words(value))
+              job.assess.steppers.emplace_back(stepper_names[to_choice(name, word, stepper_names)]);
+          },
+          [](const Job& job) { return fmt::format("{}", fmt::join(job.assess.steppers, ", ")); }};
 }
 
 AxisRange to_axis(const std::string& key, const std::string& value) {
@@ -112,11 +154,8 @@ Key fields_key() {
       fmt::format("a list, without repetition, of {}", fmt::join(field_names(), ", "));
   return {name, "maps to store; " + allowed,
           [=](Job& job, const std::string& value) {
-            std::vector<std::string> words;
-            boost::split(words, boost::trim_copy(value), boost::is_any_of(", "),
-                         boost::token_compress_on);
             std::vector<Field> fields;
-            for (const std::string& word : words) {
+            for (const std::string& word : to_words(value)) {
               const auto names = field_names();
               const auto found = std::find(names.begin(), names.end(), word);
               const auto field = static_cast<Field>(found - names.begin());
@@ -241,17 +280,38 @@ std::vector<Key> make_keys() {
       whole_number(
           "output.compression", "deflate level of the maps, 0 = off", 0, 9,
           [](auto& job) -> auto& { return job.output.compression; }),
+      paths(
+          "assess.scenes", "scene or job files to look at; none: the job's own scene",
+          [](auto& job) -> auto& { return job.assess.scenes; }),
+      paths(
+          "assess.extremes", "the same, with one setting per stepper",
+          [](auto& job) -> auto& { return job.assess.extremes; }),
+      steppers_key(),
+      numbers(
+          "assess.time-steps", "steps to try, s", positive,
+          [](auto& job) -> auto& { return job.assess.time_steps; }),
+      numbers(
+          "assess.tolerances", "tolerances to try", Range{1e-15, 0.1},
+          [](auto& job) -> auto& { return job.assess.tolerances; }),
+      whole_number(
+          "assess.designs", "designs of a scene's lattice, beside its corners and its optimum", 1,
+          100000, [](auto& job) -> auto& { return job.assess.designs; }),
+      whole_number(
+          "assess.repeats", "runs of which the median time counts", 1, 1000,
+          [](auto& job) -> auto& { return job.assess.repeats; }),
+      number(
+          "assess.target-error", "error of the speed that advice is given for, m/s", positive,
+          [](auto& job) -> auto& { return job.assess.target_error; }),
+      number(
+          "assess.lattice-seconds", "longest run over the first scene's whole lattice; 0: none",
+          not_negative, [](auto& job) -> auto& { return job.assess.lattice_seconds; }),
   };
 }
 
 /// The steps of an adaptive stepper leap over the window, or land in it on a later pass: it needs
 /// the crossing, which it gets unless the job says otherwise.
 void settle_release(Solver& solver, bool given) {
-  const bool adaptive = with_stepper(
-      solver.stepper, []<template <class, Effects = Effects{}> class Stepper>() {
-        return is_adaptive<Stepper<double>>;
-      });
-  if (!adaptive || solver.release == Release::crossing) return;
+  if (!follows_tolerance(solver.stepper) || solver.release == Release::crossing) return;
   if (given)
     refuse("solver.release", "window",
            fmt::format("crossing for the adaptive stepper {}, whose steps may leap over the window",
@@ -281,8 +341,8 @@ std::string key_of(const std::string& name) { return name.substr(name.find('.') 
     if (section_of(key.name) == section_of(name)) known.push_back(key_of(key.name));
   if (section_of(name) == "scene") known.push_back("file");
   if (known.empty())
-    throw InputError(
-        fmt::format("{}: unknown key; the sections are scene, lattice, solver, output", name));
+    throw InputError(fmt::format(
+        "{}: unknown key; the sections are scene, lattice, solver, output, assess", name));
   throw InputError(fmt::format("{}: unknown key; the keys of [{}] are {}", name, section_of(name),
                                fmt::join(known, ", ")));
 }
@@ -346,6 +406,13 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
   }
   settle_release(job.solver, release_given);
   check(job);
+  // Files that the job names lie beside it; those of options, as usual, where the user is.
+  const auto place = [&](const char* key, std::vector<std::string>& paths) {
+    if (overrides.count(key)) return;
+    for (std::string& path : paths) path = std::filesystem::path(name).parent_path() / path;
+  };
+  place("assess.scenes", job.assess.scenes);
+  place("assess.extremes", job.assess.extremes);
   return job;
 }
 
@@ -372,11 +439,11 @@ std::string read_job_file(const std::string& path) {
   return content;
 }
 
-std::string to_text(const Job& job) {
+std::string to_text(const Job& job, bool with_assessment) {
   std::string text, section;
   for (const Key& key : job_keys()) {
     const std::string value = key.get(job);
-    if (value.empty()) continue;
+    if (value.empty() || (section_of(key.name) == "assess" && !with_assessment)) continue;
     if (section != section_of(key.name)) {
       section = section_of(key.name);
       text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section);

@@ -1,8 +1,5 @@
 #include "trebsweep/kernel.hpp"
 
-#include <algorithm>
-#include <limits>
-
 #include "trebsweep/swing.hpp"
 
 namespace trebsweep {
@@ -25,32 +22,16 @@ constexpr std::size_t registers = 2;
   }
 }
 
-[[gnu::visibility("default")]] std::uint64_t integrate(const Scene& scene, const Solver& solver,
-                                                       std::span<const Design<double>> designs,
-                                                       std::span<const Field> fields,
-                                                       std::span<Shot> shots,
-                                                       std::span<double> values) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  std::fill(values.begin(), values.end(), nan);
-  std::size_t at = 0;
-  const auto next = [&](Design<double>& design) {
-    if (at == designs.size()) return false;
-    design = designs[at++];
-    return true;
-  };
-  const auto done = [&](std::uint64_t number, const auto& outcome) {
-    const bool shot = is_shot(outcome.status);
-    shots[number] = {shot ? outcome.speed : nan, shot ? outcome.t : nan, outcome.steps,
-                     outcome.status};
-    if (!shot) std::fill_n(values.begin() + number * fields.size(), fields.size(), nan);
-  };
+[[gnu::visibility("default")]] Work integrate_packs(const Scene& scene, const Solver& solver,
+                                                    std::span<const Design<double>> designs,
+                                                    std::span<const Field> fields,
+                                                    std::span<Shot> shots,
+                                                    std::span<double> values) {
   return with_effects(scene, [&]<Effects E>() {
-    return with_stepper(
+    return with_pack_stepper(
         solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
           using T = Pack<registers>;
-          return Swings<Stepper<T, E>, T, E, decltype(next), decltype(done)>(scene, solver, fields,
-                                                                             values, next, done)
-              .run();
+          return swing_all<Stepper<T, E>, T, E>(scene, solver, designs, fields, shots, values);
         });
   });
 }

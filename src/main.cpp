@@ -6,6 +6,7 @@
 #include <exception>
 #include <span>
 
+#include "trebsweep/assess.hpp"
 #include "trebsweep/command_line.hpp"
 #include "trebsweep/error.hpp"
 #include "trebsweep/kernel.hpp"
@@ -37,6 +38,17 @@ void run_trace(const CommandLine& line, const Job& job) {
                status_names[static_cast<std::size_t>(status)]);
 }
 
+void run_assess(const CommandLine& line, const Job& job, const std::string& command) {
+  const AssessOptions options{.overwrite = line.overwrite,
+                              .progress = line.progress != ProgressStyle::none,
+                              .command = command};
+  const auto tables = assess(job, options, MPI_COMM_WORLD);
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  for (const Table& table : tables)
+    if (const std::string text = to_text(table); !text.empty()) fmt::print("{}\n", text);
+  fmt::print("archive   {}\n", job.output.file);
+}
+
 void run(int argc, char** argv) {
   const CommandLine line = parse_command_line(argc, argv);
   const bool root = mpi::rank(MPI_COMM_WORLD) == 0;
@@ -49,8 +61,11 @@ void run(int argc, char** argv) {
   const std::string text =
       mpi::on_root(MPI_COMM_WORLD, [&] { return read_job_file(line.job_file); });
   const Job job = parse_job(text, line.job_file, line.overrides);
+  const std::string command = fmt::format("{}", fmt::join(std::span(argv, argv + argc), " "));
   if (line.command == Command::sweep)
-    run_sweep(line, job, fmt::format("{}", fmt::join(std::span(argv, argv + argc), " ")));
+    run_sweep(line, job, command);
+  else if (line.command == Command::assess)
+    run_assess(line, job, command);
   else if (root)
     run_trace(line, job);
 }

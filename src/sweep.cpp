@@ -14,7 +14,7 @@
 #include <stdexcept>
 
 #include "trebsweep/archive.hpp"
-#include "trebsweep/kernel.hpp"
+#include "trebsweep/integrate.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/output.hpp"
 #include "trebsweep/version.hpp"
@@ -103,7 +103,7 @@ std::vector<std::vector<Map>> integrate(const std::vector<Tile>& tiles, const Jo
   const std::vector<Field> extra = extra_fields(job.output);
   std::vector<Shot> shots(designs.size());
   std::vector<double> values(designs.size() * extra.size());
-  tally.lane_steps += integrate(job.scene, job.solver, designs, extra, shots, values);
+  tally.lane_steps += integrate(job.scene, job.solver, designs, extra, shots, values).lane_steps;
 
   const auto place = [&](Field field) {
     return static_cast<std::size_t>(std::find(extra.begin(), extra.end(), field) - extra.begin());

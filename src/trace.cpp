@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "trebsweep/number.hpp"
+#include "trebsweep/steppers.hpp"
 
 namespace trebsweep {
 namespace {
@@ -37,9 +38,13 @@ void print_row(const Mechanism<double, E>& mechanism, const Instant<double, E>& 
 template <class Stepper, Effects E>
 class Printer {
  public:
-  Printer(const Scene& scene, const Design<double>& design, std::optional<double> interval,
+  Printer(const Job& job, const Design<double>& design, std::optional<double> interval,
           std::FILE* out)
-      : motion_(scene, design), mechanism_(scene, design), interval_(interval), out_(out) {}
+      : motion_(job.scene, design),
+        mechanism_(job.scene, design),
+        stepper_(make_stepper<Stepper>(job.solver)),
+        interval_(interval),
+        out_(out) {}
 
   void operator()(const Instant<double, E>& from, const Instant<double, E>& to) {
     if (row_ == 0) print(from);
@@ -99,7 +104,7 @@ Status trace(const Job& job, const Design<double>& design, std::optional<double>
         job.solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
           using S = Stepper<double, E>;
           if (!interval && is_adaptive<S>) interval = default_interval;
-          Printer<S, E> printer(job.scene, design, interval, out);
+          Printer<S, E> printer(job, design, interval, out);
           print_header(out);
           const auto outcome = swing<S, double, E>(job.scene, design, job.solver, printer);
           printer.finish(outcome);

@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "paper_algorithm.hpp"
-#include "trebsweep/kernel.hpp"
+#include "trebsweep/integrate.hpp"
 #include "trebsweep/lattice.hpp"
 #include "trebsweep/release.hpp"
 #include "trebsweep/step_size.hpp"
@@ -175,7 +175,7 @@ struct LaneSteps {
 LaneSteps run_lanes(const Solver& solver, const std::vector<Design<double>>& designs,
                     std::vector<double>& speeds) {
   std::vector<Shot> shots(designs.size());
-  const auto made = integrate(Scene{}, solver, designs, {}, shots, {});
+  const auto made = integrate(Scene{}, solver, designs, {}, shots, {}).lane_steps;
   double tried = 0;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     speeds[i] = shots[i].speed;

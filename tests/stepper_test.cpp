@@ -1,6 +1,5 @@
-#include "trebsweep/stepper.hpp"
-
 #include "catch.hpp"
+#include "trebsweep/steppers.hpp"
 
 using namespace trebsweep;
 
@@ -40,6 +39,7 @@ double observed_order(int steps) {
 
 TEST_CASE("Each stepper converges at its order") {
   CHECK(observed_order<Euler<double>>(800) == Approx(1).margin(0.1));
+  CHECK(observed_order<ModifiedMidpoint<double>>(400) == Approx(2).margin(0.1));
   CHECK(observed_order<RungeKutta4<double>>(80) == Approx(4).margin(0.2));
   CHECK(observed_order<CashKarp54<double>>(40) == Approx(5).margin(0.2));
   CHECK(observed_order<Dopri5<double>>(40) == Approx(5).margin(0.2));
@@ -48,8 +48,8 @@ TEST_CASE("Each stepper converges at its order") {
 
 TEST_CASE("A step carries the right-hand side at its end") {
   const Motion<double> motion(Scene{}, {0.51, 0.58, 0.91});
-  for (const auto name : stepper_names)
-    with_stepper(
+  for (const auto name : pack_stepper_names)
+    with_pack_stepper(
         name, [&]<template <class, Effects = Effects{}> class Stepper>() {
           Stepper<double> stepper;
           Instant<double> to;
@@ -68,8 +68,8 @@ TEST_CASE("The error estimate of an adaptive stepper shrinks with its order") {
   using Real =
       long double;  // at steps short enough for the order, fehlberg78 is below double's rounding
   const Motion<Real> motion(Scene{}, {Real(0.51), Real(0.58), Real(0.91)});
-  for (const auto name : stepper_names)
-    with_stepper(
+  for (const auto name : pack_stepper_names)
+    with_pack_stepper(
         name, [&]<template <class, Effects = Effects{}> class Stepper>() {
           if constexpr (is_adaptive<Stepper<Real>>) {
             Stepper<Real> stepper;

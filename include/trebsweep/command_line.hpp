@@ -8,7 +8,7 @@
 
 namespace trebsweep {
 
-enum class Command { help, version, sweep, trace };
+enum class Command { help, version, sweep, trace, assess };
 
 /// What the user asked for.
 struct CommandLine {

@@ -19,6 +19,9 @@ enum class Field {
   range,
   energy_drift,
   steps,
+  speed_error,
+  stiffness,
+  decay_rate,
   slack,
   least_sling_tension,
   peak_sling_tension,
@@ -34,7 +37,7 @@ struct FieldInfo {
 };
 
 /// In the order of Field.
-inline constexpr std::array<FieldInfo, 16> field_info{{
+inline constexpr std::array<FieldInfo, 19> field_info{{
     {"speed", "m s-1", "speed of the projectile at release"},
     {"release-time", "s", "time from the start to the release"},
     {"status", "", "what became of the design"},
@@ -47,6 +50,9 @@ inline constexpr std::array<FieldInfo, 16> field_info{{
     {"energy-drift", "1",
      "energy and losses at release less energy at the start, over that given up"},
     {"steps", "1", "steps tried"},
+    {"speed-error", "m s-1", "speed at release less that of fehlberg78 at a tolerance of 1e-12"},
+    {"stiffness", "s-1", "largest modulus of the Jacobian's eigenvalues along the swing"},
+    {"decay-rate", "s-1", "largest decay rate among the Jacobian's eigenvalues along the swing"},
     {"slack", "", "whether the sling would go slack before the release"},
     {"least-sling-tension", "N", "least pull of the sling on the projectile"},
     {"peak-sling-tension", "N", "largest pull of the sling on the arm"},
@@ -70,6 +76,11 @@ inline constexpr std::array<std::string_view, 3> slack_names{"no_shot", "taut", 
 inline constexpr bool is_basic(Field field) {
   return field == Field::speed || field == Field::release_time || field == Field::status ||
          field == Field::steps;
+}
+
+/// Whether the field takes an integration of its own, beside the swing's.
+inline constexpr bool is_separate(Field field) {
+  return field == Field::speed_error || field == Field::stiffness || field == Field::decay_rate;
 }
 
 /// Whether the field looks at the loads all along the swing.

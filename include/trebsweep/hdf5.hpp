@@ -46,11 +46,15 @@ class Handle {
 };
 
 using File = Handle<&H5Fclose>;
+using Group = Handle<&H5Gclose>;
 using Dataset = Handle<&H5Dclose>;
 using Dataspace = Handle<&H5Sclose>;
 using Datatype = Handle<&H5Tclose>;
 using Attribute = Handle<&H5Aclose>;
 using Properties = Handle<&H5Pclose>;
+
+/// Texts of any length in UTF-8: what h5py and netCDF read as str.
+Datatype text_type();
 
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
 void write_attribute(hid_t object, const std::string& name, double value);

@@ -9,6 +9,7 @@
 #include "trebsweep/lattice.hpp"
 #include "trebsweep/scene.hpp"
 #include "trebsweep/solver.hpp"
+#include "trebsweep/stepper_names.hpp"
 
 namespace trebsweep {
 
@@ -27,12 +28,26 @@ struct Output {
   int compression = 0;  ///< deflate level, 0 (off) to 9
 };
 
+/// What `trebsweep assess` is to look at.
+struct Assessment {
+  std::vector<std::string> scenes;    ///< scene or job files; none: the job's own scene
+  std::vector<std::string> extremes;  ///< the same, to be tried with one setting per stepper
+  std::vector<std::string> steppers = {stepper_names.begin(), stepper_names.end()};
+  std::vector<double> time_steps = {1e-2, 3e-3, 1e-3, 3e-4, 1e-4};    ///< s, of fixed steppers
+  std::vector<double> tolerances = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};  ///< of adaptive ones
+  std::uint64_t designs = 24;   ///< of a scene's lattice, beside its corners and optimum
+  std::uint64_t repeats = 5;    ///< of a run that is timed
+  double target_error = 1e-6;   ///< m/s, that advice is given for
+  double lattice_seconds = 10;  ///< longest run over a whole lattice; 0: none
+};
+
 /// All that a sweep needs to know.
 struct Job {
   Scene scene;
   LatticeSpec lattice;
   Solver solver;
   Output output;
+  Assessment assess;
 };
 
 /// One key of the job file, which is also a command-line option.
@@ -56,13 +71,15 @@ using Overrides = std::map<std::string, std::string>;
 
 /// The job of a job file's text; `name` is the file's name, for messages, for the archive's
 /// default name (its stem + ".h5"), and for the place of the scene file that the job may name: that
-/// file's [scene] stands for what the job's own leaves out. Throws InputError.
+/// file's [scene] stands for what the job's own leaves out. Files of [assess] have their place by
+/// the same rule. Throws InputError.
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides);
 
 /// The text of a job file. Throws InputError if it is missing, unreadable or no text.
 std::string read_job_file(const std::string& path);
 
-/// The job as the text of a job file, every key with its value.
-std::string to_text(const Job& job);
+/// The job as the text of a job file, every key with its value; those of [assess], which change no
+/// map, on demand.
+std::string to_text(const Job& job, bool with_assessment = false);
 
 }  // namespace trebsweep

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <type_traits>
@@ -62,50 +63,53 @@ class Motion {
     rates(x, directions(x), dxdt);
   }
 
-  /// The same from the angles' sines and cosines; it does not look at the angles.
-  void rates(std::span<const T, coordinates<E>> x, std::span<const T, 4> at,
-             State<T, E>& dxdt) const {
+  /// The same from the angles' sines and cosines; it does not look at the angles. X is T, or a
+  /// number over T that carries derivatives.
+  template <class X>
+  void rates(std::span<const std::type_identity_t<X>, coordinates<E>> x,
+             std::span<const std::type_identity_t<X>, 4> at,
+             std::array<X, coordinates<E>>& dxdt) const {
     // D's sine and cosine from those of phi1 and phi2.
-    const T sinD = at[sin1] * at[cos2] - at[cos1] * at[sin2];
-    const T cosD = at[cos1] * at[cos2] + at[sin1] * at[sin2];
-    const T w1w1 = x[w1] * x[w1];
-    const T weight = g_r2_ * at[sin2];
+    const X sinD = at[sin1] * at[cos2] - at[cos1] * at[sin2];
+    const X cosD = at[cos1] * at[cos2] + at[sin1] * at[sin2];
+    const X w1w1 = x[w1] * x[w1];
+    const X weight = g_r2_ * at[sin2];
     dxdt[phi1] = x[w1];
     dxdt[phi2] = x[w2];
     if constexpr (E.elastic) {
-      const T pull =
-          elastic_pull(T(x[length] - sling_.r3), x[stretching], sling_.stiffness, sling_.damping);
-      const T torque = torque_ * at[sin1] - sling_.arm_inertia * pull * sinD;
-      const T acceleration1 = with_friction(torque, x[w1]);
-      const T across = T(w1w1 * sinD - weight) - acceleration1 * cosD;
-      const T along = g_r2_ * at[cos2] + T(w1w1 * cosD + acceleration1 * sinD);
-      const T twice = T(2) * x[stretching];
+      const X pull = elastic_pull(X(x[length] - sling_.r3), x[stretching], X(sling_.stiffness),
+                                  X(sling_.damping));
+      const X torque = torque_ * at[sin1] - sling_.arm_inertia * pull * sinD;
+      const X acceleration1 = with_friction(torque, x[w1]);
+      const X across = X(w1w1 * sinD - weight) - acceleration1 * cosD;
+      const X along = g_r2_ * at[cos2] + X(w1w1 * cosD + acceleration1 * sinD);
+      const X twice = X(2) * x[stretching];
       dxdt[w1] = acceleration1;
-      dxdt[w2] = quotient(T(sling_.arm * across - twice * x[w2]), x[length]);
+      dxdt[w2] = quotient(X(sling_.arm * across - twice * x[w2]), x[length]);
       dxdt[length] = x[stretching];
-      dxdt[stretching] = sling_.arm * along + T(x[length] * x[w2] * x[w2] - pull * sling_.per_mass);
+      dxdt[stretching] = sling_.arm * along + X(x[length] * x[w2] * x[w2] - pull * sling_.per_mass);
     } else {
-      const T whirl = w1w1 * cosD + sling_.r3_r2 * x[w2] * x[w2];
-      const T numerator = torque_ * at[sin1] + T(weight * cosD - sinD * whirl);
-      const T acceleration1 =
-          quotient(with_friction(numerator, x[w1]), T(sinD * sinD + sling_.inertia));
+      const X whirl = w1w1 * cosD + sling_.r3_r2 * x[w2] * x[w2];
+      const X numerator = torque_ * at[sin1] + X(weight * cosD - sinD * whirl);
+      const X acceleration1 =
+          quotient(with_friction(numerator, x[w1]), X(sinD * sinD + sling_.inertia));
       dxdt[w1] = acceleration1;
-      dxdt[w2] = T(T(w1w1 * sinD - weight) - acceleration1 * cosD) * sling_.r2_r3;
+      dxdt[w2] = X(X(w1w1 * sinD - weight) - acceleration1 * cosD) * sling_.r2_r3;
     }
   }
 
  private:
   /// What is left of a torque after the pivot's friction: dry friction opposes the turning, and at
   /// rest the torque itself, up to its size.
-  T with_friction(const T& torque, const T& rate) const {
+  template <class X>
+  X with_friction(const X& torque, const X& rate) const {
     if constexpr (E.pivot) {
-      const T viscous = torque - pivot_.viscosity * rate;
+      const X viscous = torque - pivot_.viscosity * rate;
       // Any rate decides, but for one of a nanosecond's acceleration: a stage of fehlberg78 that
       // returns to a start from rest misses the rest by roundings.
-      const T driving = T(1e9) * rate + viscous;
-      const T dry =
-          select(driving < pivot_.friction,
-                 select(driving > -pivot_.friction, driving, -pivot_.friction), pivot_.friction);
+      const X driving = X(1e9) * rate + viscous;
+      const X most(pivot_.friction), least(-pivot_.friction);
+      const X dry = select(driving < most, select(driving > least, driving, least), most);
       return viscous - dry;
     } else {
       return torque;

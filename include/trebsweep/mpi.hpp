@@ -2,10 +2,14 @@
 
 #include <mpi.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <vector>
 
 namespace trebsweep::mpi {
 
@@ -29,6 +33,25 @@ std::string broadcast(std::string text, MPI_Comm comm);
 double max(double value, MPI_Comm comm);
 std::uint64_t min(std::uint64_t value, MPI_Comm comm);
 void sum(std::span<std::uint64_t> values, MPI_Comm comm);
+
+/// f(0), ..., f(n - 1) on every rank, each computed by one of them in turn.
+template <class F>
+auto share(std::size_t n, MPI_Comm comm, F f) {
+  using Result = decltype(f(n));
+  static_assert(std::is_trivially_copyable_v<Result>);
+  std::vector<std::byte> bytes(n * sizeof(Result));
+  for (auto i = static_cast<std::size_t>(rank(comm)); i < n;
+       i += static_cast<std::size_t>(size(comm))) {
+    const Result result = f(i);
+    std::memcpy(&bytes[i * sizeof(Result)], &result, sizeof(Result));
+  }
+  // What the others computed is zero here.
+  MPI_Allreduce(MPI_IN_PLACE, bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, MPI_BOR,
+                comm);
+  std::vector<Result> results(n);
+  if (n > 0) std::memcpy(results.data(), bytes.data(), bytes.size());
+  return results;
+}
 
 /// Runs f on rank 0 and gives every rank the text it returns. Where f throws an InputError or
 /// another exception, every rank throws the same kind with the same message, so that all can end

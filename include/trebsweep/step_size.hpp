@@ -57,4 +57,23 @@ template <class T>
   return select(factor > low, select(factor < high, factor, high), low);
 }
 
+/// A step that was tried: whether it is good, lane by lane, and the length of the next one.
+template <class T>
+struct Trial {
+  decltype(T() <= T()) good;
+  T next;
+};
+
+/// Tries a step of length h from `from` to `to`, and finds the next one's length.
+template <class Stepper, class T, Effects E>
+[[gnu::always_inline]] inline Trial<T> try_step(Stepper& stepper, const Motion<T, E>& motion,
+                                                const Instant<T, E>& from,
+                                                const std::type_identity_t<T>& h, Instant<T, E>& to,
+                                                double tolerance) {
+  State<T, E> error;
+  advance(stepper, motion, from, h, to, error);
+  const auto ratio = error_ratio(from, to, error, h, tolerance);
+  return {ratio.error <= ratio.allowed, T(h * step_factor(ratio, stepper.error_order()))};
+}
+
 }  // namespace trebsweep

@@ -4,12 +4,14 @@
 #include <boost/numeric/odeint/algebra/array_algebra.hpp>
 #include <boost/numeric/odeint/algebra/default_operations.hpp>
 #include <boost/numeric/odeint/stepper/euler.hpp>
+#include <boost/numeric/odeint/stepper/modified_midpoint.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <boost/numeric/odeint/stepper/stepper_categories.hpp>
 #include <boost/numeric/odeint/util/resizer.hpp>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <stdexcept>
@@ -19,6 +21,7 @@
 
 #include "trebsweep/algebra.hpp"
 #include "trebsweep/motion.hpp"
+#include "trebsweep/solver.hpp"
 
 namespace trebsweep {
 
@@ -43,9 +46,11 @@ using AdaptiveStepper =
     Stepper<ExtendedState<T, E>, typename Lanes<T>::Number, ExtendedState<T, E>,
             typename Lanes<T>::Number, Algebra, Operations, odeint::never_resizer>;
 
-// The steppers that a swing can use.
+// The steppers for any number type, packs too.
 template <class T, Effects E = Effects{}>
 using Euler = FixedStepper<odeint::euler, T, E>;
+template <class T, Effects E = Effects{}>
+using ModifiedMidpoint = FixedStepper<odeint::modified_midpoint, T, E>;
 template <class T, Effects E = Effects{}>
 using RungeKutta4 = FixedStepper<odeint::runge_kutta4, T, E>;
 template <class T, Effects E = Effects{}>
@@ -55,10 +60,35 @@ using Dopri5 = AdaptiveStepper<odeint::runge_kutta_dopri5, T, E>;
 template <class T, Effects E = Effects{}>
 using Fehlberg78 = AdaptiveStepper<odeint::runge_kutta_fehlberg78, T, E>;
 
+/// Whether the stepper finds its steps itself.
+template <class Stepper>
+inline constexpr bool is_own_controller =
+    std::is_base_of_v<odeint::controlled_stepper_tag, typename Stepper::stepper_category>;
+
 /// Whether the stepper estimates its error, so that its step can follow a tolerance.
 template <class Stepper>
 inline constexpr bool is_adaptive =
-    std::is_base_of_v<odeint::error_stepper_tag, typename Stepper::stepper_category>;
+    std::is_base_of_v<odeint::error_stepper_tag, typename Stepper::stepper_category> ||
+    is_own_controller<Stepper>;
+
+/// A stepper for a solver: some need to know its step or its tolerance.
+template <class Stepper>
+Stepper make_stepper(const Solver& solver) {
+  if constexpr (std::is_constructible_v<Stepper, const Solver&>)
+    return Stepper(solver);
+  else
+    return Stepper();
+}
+
+/// Right-hand sides that a stepper has computed in so many steps tried.
+template <class Stepper>
+std::uint64_t evaluations(const Stepper& stepper, std::uint64_t steps) {
+  if constexpr (requires { stepper.evaluations(); }) return stepper.evaluations();
+  if constexpr (requires { Stepper::stage_count; }) return steps * Stepper::stage_count;
+  if constexpr (requires { stepper.steps(); }) return steps * (stepper.steps() + 1u);  // midpoint
+  // Of dopri5's seven stages the last is the next step's first; Euler's method has one.
+  return steps * (is_adaptive<Stepper> ? 6 : 1);
+}
 
 /// A moment of a swing: its time (s), state, the state's directions and its rate there.
 template <class T, Effects E = Effects{}>
@@ -141,14 +171,11 @@ template <class Stepper, std::size_t R, Effects E>
   advance<Stepper, Pack<R>, E>(stepper, motion, from, h, to, error);
 }
 
-/// Names a job can choose a stepper by.
-inline constexpr std::array<std::string_view, 5> stepper_names{"euler", "rk4", "cash_karp54",
-                                                               "dopri5", "fehlberg78"};
-
-/// Calls f<Stepper>() with the stepper of that name, one of stepper_names; Stepper<T, E>.
+/// Calls f<Stepper>() with the stepper of that name, one of pack_stepper_names; Stepper<T, E>.
 template <class F>
-auto with_stepper(std::string_view name, F&& f) {
+auto with_pack_stepper(std::string_view name, F&& f) {
   if (name == "euler") return f.template operator()<Euler>();
+  if (name == "modified_midpoint") return f.template operator()<ModifiedMidpoint>();
   if (name == "rk4") return f.template operator()<RungeKutta4>();
   if (name == "cash_karp54") return f.template operator()<CashKarp54>();
   if (name == "dopri5") return f.template operator()<Dopri5>();

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "trebsweep/job.hpp"
-#include "trebsweep/kernel.hpp"
 #include "trebsweep/lattice.hpp"
+#include "trebsweep/shot.hpp"
 
 namespace trebsweep {
 

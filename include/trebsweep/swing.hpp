@@ -10,6 +10,7 @@
 
 #include "trebsweep/record.hpp"
 #include "trebsweep/release.hpp"
+#include "trebsweep/shot.hpp"
 #include "trebsweep/solver.hpp"
 #include "trebsweep/status.hpp"
 #include "trebsweep/step_size.hpp"
@@ -69,6 +70,8 @@ class Swings {
     land();
     return tried_ * lanes;
   }
+
+  const Stepper& stepper() const { return stepper_; }
 
  private:
   using Number = typename Lanes<T>::Number;
@@ -130,15 +133,12 @@ class Swings {
   /// A step of an adaptive stepper, and the next one's length; a lane whose error is too large
   /// stays where it was. Returns the lanes that have ended their swing.
   Set step_by_error(Instant& from, Instant& to) {
-    State<T, E> error;
     const T left = max_time_ - from.t;
     const auto last = left <= flight_.h;
     const T h = select(last, left, flight_.h);
-    advance(stepper_, flight_.motion, from, h, to, error);
+    const auto [good, next] = try_step(stepper_, flight_.motion, from, h, to, solver_.tolerance);
     to.t = select(last, max_time_, to.t);
-    const auto ratio = error_ratio(from, to, error, h, solver_.tolerance);
-    const auto good = ratio.error <= ratio.allowed;
-    flight_.h = h * step_factor(ratio, stepper_.error_order());
+    flight_.h = next;
     auto turned = (from.x[w1] > T(0)) & (to.x[w1] < T(0));
     if constexpr (E.pivot) turned = turned | ((from.x[w1] < T(0)) & (to.x[w1] > T(0)));
     const Set special = lanes_of((!(to.x[phi1] < watched_angle_)) | turned | (to.t >= max_time_) |
@@ -431,7 +431,7 @@ class Swings {
   Next next_;
   Done done_;
   Observe observe_;
-  Stepper stepper_;
+  Stepper stepper_ = make_stepper<Stepper>(solver_);
 
   const T max_time_ = Number(solver_.max_time);
   // Counted steps round.
@@ -465,6 +465,32 @@ class Swings {
   std::size_t fresh_ = 0, prepared_ = 0;
   std::uint64_t designs_ = 0;
 };
+
+/// Integrates designs, and fills their shots and `fields`; see integrate().
+template <class Stepper, class T, Effects E>
+Work swing_all(const Scene& scene, const Solver& solver, std::span<const Design<double>> designs,
+               std::span<const Field> fields, std::span<Shot> shots, std::span<double> values) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  std::fill(values.begin(), values.end(), nan);
+  std::size_t at = 0;
+  const auto next = [&](Design<double>& design) {
+    if (at == designs.size()) return false;
+    design = designs[at++];
+    return true;
+  };
+  std::uint64_t steps = 0;
+  const auto done = [&](std::uint64_t number, const auto& outcome) {
+    const bool shot = is_shot(outcome.status);
+    steps += outcome.steps;
+    shots[number] = {shot ? outcome.speed : nan, shot ? outcome.t : nan, outcome.steps,
+                     outcome.status};
+    if (!shot) std::fill_n(values.begin() + number * fields.size(), fields.size(), nan);
+  };
+  Swings<Stepper, T, E, decltype(next), decltype(done)> swings(scene, solver, fields, values, next,
+                                                               done);
+  const std::uint64_t lane_steps = swings.run();
+  return {lane_steps, evaluations(swings.stepper(), steps)};
+}
 
 /// Integrates one design; see Swings.
 template <class Stepper, class T, Effects E = Effects{}, class Observe = Unobserved>

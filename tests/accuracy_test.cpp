@@ -1,0 +1,83 @@
+#include "trebsweep/accuracy.hpp"
+
+#include <cmath>
+
+#include "catch.hpp"
+#include "trebsweep/integrate.hpp"
+#include "trebsweep/spectrum.hpp"
+#include "trebsweep/stepper_names.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+constexpr Design<double> optimum{0.51, 0.58, 0.91};
+
+std::vector<Reference> references(const Scene& scene, std::span<const Design<double>> designs) {
+  std::vector<Reference> all;
+  for (const auto& design : designs) all.push_back(reference(scene, design, Solver()));
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("A spread is the median, what 95 % are below, and the largest") {
+  std::vector<double> values;
+  for (int i = 100; i >= 0; --i) values.push_back(i);
+  const auto [median, p95, largest] = spread(values);
+  CHECK(median == 50);
+  CHECK(p95 == 95);
+  CHECK(largest == 100);
+  CHECK(std::isnan(spread({}).median));
+}
+
+TEST_CASE("The paper's Euler steps make the optimum 3.7 % too fast") {
+  const std::array designs{optimum};
+  const auto a = accuracy(Scene{}, Solver(), designs, references(Scene{}, designs), 1);
+  CHECK(a.relative.largest == Approx(0.037).margin(0.0005));
+  CHECK(a.speed.largest == Approx(17.47606519 - 16.85558691).margin(1e-7));
+  CHECK(a.steps == 92);
+  CHECK(a.evaluations == 92);
+  CHECK(a.seconds > 0);
+}
+
+TEST_CASE("Every stepper that follows a tolerance meets it, and says what it took") {
+  const std::array designs{optimum, Design<double>{0.8, 0.5, 0.7}, Design<double>{1.2, 0.9, 0.2}};
+  const auto truth = references(Scene{}, designs);
+  for (const std::string stepper :
+       {"cash_karp54", "dopri5", "fehlberg78", "bulirsch_stoer", "rosenbrock4"}) {
+    const auto a = accuracy(Scene{}, solver_of(stepper, 1e-9, Solver()), designs, truth, 1);
+    INFO(stepper);
+    CHECK(a.different == 0);
+    CHECK(a.speed.largest < 1e-7);
+    CHECK(a.time.largest < 1e-8);
+    CHECK(a.drift < 1e-7);
+    CHECK(a.evaluations >= 4 * a.steps);
+    CHECK(a.floor < 1e-12);
+  }
+  const auto multistep =
+      accuracy(Scene{}, solver_of("adams_bashforth_moulton", 0.001, Solver()), designs, truth, 1);
+  CHECK(multistep.speed.largest < 1e-9);
+}
+
+TEST_CASE("A design is counted as different where it is a shot in one place only") {
+  const std::array designs{optimum};
+  Solver solver = solver_of("dopri5", 1e-6, Solver());
+  solver.max_time = 0.5;
+  const auto a = accuracy(Scene{}, solver, designs, references(Scene{}, designs), 1);
+  CHECK(a.different == 1);
+  CHECK(std::isnan(a.speed.median));
+}
+
+TEST_CASE("Separate fields are the difference to an accurate integration, and the stiffness") {
+  const std::array designs{optimum};
+  const std::array fields{Field::sling_angle, Field::speed_error, Field::stiffness,
+                          Field::decay_rate};
+  Shot shot;
+  std::array<double, 4> values;
+  integrate(Scene{}, Solver(), designs, fields, {&shot, 1}, values);
+  CHECK(values[1] == Approx(shot.speed - 16.8555869074).margin(1e-9));
+  const auto [modulus, decay] = stiffness(spectra(Scene{}, optimum, Solver()));
+  CHECK(values[2] == modulus);
+  CHECK(values[3] == decay);
+}
