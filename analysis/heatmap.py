@@ -16,7 +16,7 @@ from archive import AXES, Archive, edges, plt, save
 # The planes: (fixed axis, horizontal axis, vertical axis).
 PLANES = (("r1", "r2", "r3"), ("r3", "r2", "r1"), ("r2", "r3", "r1"))
 
-FIXED_STEPPERS = ("euler", "rk4")
+FIXED_STEPPERS = ("euler", "modified_midpoint", "rk4", "adams_bashforth_moulton")
 
 
 def plane(archive, field, fixed, index, horizontal, vertical):

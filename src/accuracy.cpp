@@ -77,7 +77,7 @@ Accuracy accuracy(const Scene& scene, const Solver& solver, std::span<const Desi
     if (!is_shot(shot.status) || !is_shot(truth.status)) continue;
     speed.push_back(std::abs(shot.speed - truth.speed));
     relative.push_back(speed.back() / truth.speed);
-    time.push_back(std::abs(shot.release_time - truth.release_time));
+    time.push_back(std::abs(shot.release_time - static_cast<double>(truth.release_time)));
     bounds.push_back(truth.speed_bound);
     a.drift = std::fmax(a.drift, std::abs(drifts[i]));
   }

@@ -54,19 +54,6 @@ Case make_case(const std::string& name, const Job& job, bool extreme, std::size_
   return c;
 }
 
-/// Computes the references of all cases' designs, dealt to the ranks one by one.
-void refer(std::vector<Case>& cases, MPI_Comm comm) {
-  std::vector<std::pair<std::size_t, std::size_t>> places;
-  for (std::size_t c = 0; c < cases.size(); ++c)
-    for (std::size_t d = 0; d < cases[c].designs.size(); ++d) places.emplace_back(c, d);
-  const auto references = mpi::share(places.size(), comm, [&](std::size_t i) {
-    const Case& c = cases[places[i].first];
-    return reference(c.job.scene, c.designs[places[i].second], c.job.solver);
-  });
-  for (std::size_t i = 0; i < places.size(); ++i)
-    cases[places[i].first].references.push_back(references[i]);
-}
-
 }  // namespace
 
 std::vector<Case> make_cases(const Job& job, MPI_Comm comm) {
@@ -83,8 +70,19 @@ std::vector<Case> make_cases(const Job& job, MPI_Comm comm) {
     cases.push_back(make_case(std::filesystem::path(job.output.file).stem().string(), job, false,
                               job.assess.designs, comm));
   add(job.assess.extremes, true);
-  refer(cases, comm);
   return cases;
+}
+
+void refer(std::vector<Case>& cases, MPI_Comm comm) {
+  std::vector<std::pair<std::size_t, std::size_t>> places;
+  for (std::size_t c = 0; c < cases.size(); ++c)
+    for (std::size_t d = 0; d < cases[c].designs.size(); ++d) places.emplace_back(c, d);
+  const auto references = mpi::share(places.size(), comm, [&](std::size_t i) {
+    const Case& c = cases[places[i].first];
+    return reference(c.job.scene, c.designs[places[i].second], c.job.solver);
+  });
+  for (std::size_t i = 0; i < places.size(); ++i)
+    cases[places[i].first].references.push_back(references[i]);
 }
 
 }  // namespace trebsweep

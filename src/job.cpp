@@ -103,6 +103,19 @@ Key stepper_key() {
           [](const Job& job) { return job.solver.stepper; }};
 }
 
+Key target_key() {
+  const std::string name = "solver.target-error";
+  return {name,
+          fmt::format("error of the speeds, m/s, to choose the tolerance by, from a sample; {}",
+                      positive.text()),
+          [=](Job& job, const std::string& value) {
+            job.solver.target_error = to_number(name, value, positive);
+          },
+          [](const Job& job) {
+            return job.solver.target_error > 0 ? fmt::format("{}", job.solver.target_error) : "";
+          }};
+}
+
 Key steppers_key() {
   const std::string name = "assess.steppers";
   return {name, fmt::format("a list of {}", fmt::join(stepper_names, ", ")),
@@ -254,6 +267,7 @@ std::vector<Key> make_keys() {
       number(
           "solver.tolerance", "error allowed in one adaptive step, absolute and relative",
           Range{1e-15, 0.1}, [](auto& job) -> auto& { return job.solver.tolerance; }),
+      target_key(),
       choice(
           "solver.release",
           "crossing: phi1 = pi, met exactly; window: first step with |pi - phi1| < "
@@ -317,6 +331,17 @@ void settle_release(Solver& solver, bool given) {
            fmt::format("crossing for the adaptive stepper {}, whose steps may leap over the window",
                        solver.stepper));
   solver.release = Release::crossing;
+}
+
+/// A target error stands for a tolerance.
+void check_target(const Solver& solver, bool tolerance_given) {
+  const std::string value = fmt::format("{}", solver.target_error);
+  if (tolerance_given)
+    refuse("solver.target-error", value, "given without solver.tolerance, which it chooses");
+  if (!follows_tolerance(solver.stepper))
+    refuse(
+        "solver.target-error", value,
+        fmt::format("given with a stepper that follows a tolerance, not with {}", solver.stepper));
 }
 
 /// Refuses keys that are each allowed but make no sense together.
@@ -396,15 +421,17 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
     set_scene(job, overrides.at(scene_file));
   else if (given.count(scene_file))
     set_scene(job, std::filesystem::path(name).parent_path() / given[scene_file].as<std::string>());
-  bool release_given = false;
+  bool release_given = false, tolerance_given = false;
   for (const Key& key : job_keys()) {
     const auto override = overrides.find(key.name);
     const bool overridden = override != overrides.end();
     if (!overridden && !given.count(key.name)) continue;
     key.set(job, overridden ? override->second : given[key.name].as<std::string>());
     release_given = release_given || key.name == "solver.release";
+    tolerance_given = tolerance_given || key.name == "solver.tolerance";
   }
   settle_release(job.solver, release_given);
+  if (job.solver.target_error > 0) check_target(job.solver, tolerance_given);
   check(job);
   // Files that the job names lie beside it; those of options, as usual, where the user is.
   const auto place = [&](const char* key, std::vector<std::string>& paths) {

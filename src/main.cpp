@@ -12,6 +12,7 @@
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/sweep.hpp"
+#include "trebsweep/tolerance.hpp"
 #include "trebsweep/trace.hpp"
 #include "trebsweep/version.hpp"
 
@@ -60,7 +61,13 @@ void run(int argc, char** argv) {
   }
   const std::string text =
       mpi::on_root(MPI_COMM_WORLD, [&] { return read_job_file(line.job_file); });
-  const Job job = parse_job(text, line.job_file, line.overrides);
+  Job job = parse_job(text, line.job_file, line.overrides);
+  if (job.solver.target_error > 0) {
+    job.solver.tolerance = std::stod(
+        mpi::on_root(MPI_COMM_WORLD, [&] { return fmt::format("{}", tolerance_for_target(job)); }));
+    job.solver.target_error = 0;  // settled
+    if (root) fmt::print(stderr, "tolerance {:.2g}\n", job.solver.tolerance);
+  }
   const std::string command = fmt::format("{}", fmt::join(std::span(argv, argv + argc), " "));
   if (line.command == Command::sweep)
     run_sweep(line, job, command);

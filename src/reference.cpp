@@ -32,10 +32,11 @@ Reference reference(const Scene& scene, const Design<double>& design, const Solv
     const auto loose = swing_at<E>(1e-14, scene, design, solver);
     const auto tight = swing_at<E>(1e-16, scene, design, solver);
     Reference r{tight.status, nan, nan, {}, nan, nan};
-    for (std::size_t i = 0; i < coordinates<E>; ++i) r.state[i] = static_cast<double>(tight.x[i]);
+    for (std::size_t i = 0; i < coordinates<E>; ++i)
+      r.state[i] = static_cast<long double>(tight.x[i]);
     if (!is_shot(tight.status)) return r;
     r.speed = static_cast<double>(tight.speed);
-    r.release_time = static_cast<double>(tight.t);
+    r.release_time = static_cast<long double>(tight.t);
     if (loose.status != tight.status) return r;
     r.speed_bound = bound(tight.speed, loose.speed);
     r.time_bound = bound(tight.t, loose.t);

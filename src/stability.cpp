@@ -46,6 +46,30 @@ bool is_bounded(const Complex& eigenvalue) {
   return eigenvalue.real() <= 0.1 * std::abs(eigenvalue.imag());
 }
 
+/// error_of_steps() in numbers of type T.
+template <class Stepper, class T, Effects E>
+double error_in(const Scene& scene, const Design<double>& design, const Reference& reference,
+                std::uint64_t steps) {
+  Solver solver;
+  const T h = static_cast<T>(reference.release_time) / static_cast<T>(steps);
+  solver.time_step = static_cast<double>(h);
+  auto stepper = make_stepper<Stepper>(solver);
+  const Design<T> d{T(design.r1), T(design.r3), T(design.r2)};
+  const Motion<T, E> motion(scene, d);
+  auto now = instant(motion, T(0), start<T, E>(scene, d));
+  Instant<T, E> next;
+  State<T, E> estimate;
+  for (std::uint64_t i = 0; i < steps; ++i, now = next)
+    advance(stepper, motion, now, h, next, estimate);
+  double largest = 0;
+  for (std::size_t i = 0; i < coordinates<E>; ++i) {
+    const long double truth = reference.state[i];
+    const auto error = static_cast<double>(std::abs(now.x[i] - truth) / (1 + std::abs(truth)));
+    largest = error <= largest ? largest : error;  // NaN stays
+  }
+  return std::isfinite(largest) ? largest : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 bool has_stability_function(const std::string& stepper) {
@@ -88,24 +112,16 @@ double largest_stable_step(const std::string& stepper, const std::vector<Spectru
 double error_of_steps(const std::string& stepper, const Scene& scene, const Design<double>& design,
                       const Reference& reference, std::uint64_t steps) {
   return with_effects(scene, [&]<Effects E>() {
-    return with_stepper(
+    if (is_for_packs(stepper))
+      return with_pack_stepper(
+          stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+            using T = long double;
+            return error_in<Stepper<T, E>, T, E>(scene, design, reference, steps);
+          });
+    return with_single_stepper(
         stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-          Solver solver;
-          solver.time_step = reference.release_time / static_cast<double>(steps);
-          auto method = make_stepper<Stepper<double, E>>(solver);
-          const Motion<double, E> motion(scene, design);
-          auto now = instant(motion, 0.0, start<double, E>(scene, design));
-          Instant<double, E> next;
-          State<double, E> estimate;
-          for (std::uint64_t i = 0; i < steps; ++i, now = next)
-            advance(method, motion, now, solver.time_step, next, estimate);
-          double largest = 0;
-          for (std::size_t i = 0; i < coordinates<E>; ++i) {
-            const double error =
-                std::abs(now.x[i] - reference.state[i]) / (1 + std::abs(reference.state[i]));
-            largest = error <= largest ? largest : error;  // NaN stays
-          }
-          return std::isfinite(largest) ? largest : std::numeric_limits<double>::infinity();
+          using T = double;
+          return error_in<Stepper<T, E>, T, E>(scene, design, reference, steps);
         });
   });
 }
@@ -113,7 +129,8 @@ double error_of_steps(const std::string& stepper, const Scene& scene, const Desi
 double largest_usable_step(const std::string& stepper, const Scene& scene,
                            const Design<double>& design, const Reference& reference, double guess) {
   constexpr double most_steps = 1e7;
-  const double time = reference.release_time, ratio = std::pow(2, 1.0 / 8);
+  const auto time = static_cast<double>(reference.release_time);
+  const double ratio = std::pow(2, 1.0 / 8);
   double usable = std::numeric_limits<double>::quiet_NaN();
   for (double h = std::min(guess / 4, time / 8); h < time; h *= ratio) {
     const double steps = std::ceil(time / h);
@@ -164,7 +181,9 @@ Growth growth(const std::string& stepper, const Scene& scene, const Design<doubl
 double observed_order(const std::string& stepper, const Scene& scene,
                       std::span<const Design<double>> designs,
                       std::span<const Reference> references) {
-  constexpr double rounding = 2e-15, asymptotic = 1e-3;  // rounding: of a step
+  constexpr double asymptotic = 1e-3;
+  // Twenty times that of a step; those for packs are run in long double.
+  const double rounding = is_for_packs(stepper) ? 1e-18 : 2e-15;
   constexpr std::uint64_t most_steps = 1 << 15;
   std::vector<double> orders;
   for (std::size_t i = 0; i < designs.size(); ++i) {

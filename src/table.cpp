@@ -62,12 +62,10 @@ std::string to_text(const Table& table) {
   const auto is_printed = [](const Column& column) { return column.printed; };
   if (std::none_of(table.columns.begin(), table.columns.end(), is_printed)) return "";
   std::string text = table.meaning + "\n";
-  std::vector<std::string> lines(table.rows() + 1);
+  std::vector<std::string> lines(table.rows() + 2);
   for (const Column& column : table.columns) {
     if (!column.printed) continue;
-    const bool bare = column.units.empty() || column.units == "1";
-    const std::string unit = bare ? "" : ", " + column.units;
-    std::vector<std::string> cells{column.name + unit};
+    std::vector<std::string> cells{column.name, column.units == "1" ? "" : column.units};
     for (std::size_t row = 0; row < table.rows(); ++row) cells.push_back(cell(column, row));
     std::size_t width = 0;
     for (const std::string& c : cells) width = std::max(width, c.size());
@@ -78,7 +76,7 @@ std::string to_text(const Table& table) {
   }
   for (std::string& line : lines) {
     line.erase(line.find_last_not_of(' ') + 1);
-    text += line + "\n";
+    if (!line.empty()) text += line + "\n";  // where nothing has a unit
   }
   return text;
 }

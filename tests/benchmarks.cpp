@@ -26,6 +26,7 @@
 
 #include "paper_algorithm.hpp"
 #include "trebsweep/integrate.hpp"
+#include "trebsweep/kernel.hpp"
 #include "trebsweep/lattice.hpp"
 #include "trebsweep/release.hpp"
 #include "trebsweep/step_size.hpp"
@@ -374,7 +375,7 @@ void print_lanes(const std::vector<Entry>& list, const std::vector<Design<double
     if (!entry.lanes) continue;
     const auto [tried, made] = run_lanes(*entry.lanes, designs, speeds);
     const double steps = tried / static_cast<double>(designs.size());
-    const int count = with_stepper(
+    const int count = with_pack_stepper(
         entry.lanes->stepper, []<template <class, Effects = Effects{}> class Stepper>() {
           return operations_per_step<Stepper<Counted>>();
         });

@@ -41,7 +41,7 @@ TEST_CASE("trace takes a design") {
 }
 
 TEST_CASE("Help of a command lists each of its keys") {
-  for (const char* command : {"sweep", "trace"}) {
+  for (const char* command : {"sweep", "trace", "assess"}) {
     const CommandLine line = parse({command, "--help"});
     CHECK(line.command == Command::help);
     for (const Key& key : job_keys()) CHECK_THAT(line.help, contains("--" + key.name));
@@ -52,7 +52,7 @@ TEST_CASE("Help of a command lists each of its keys") {
 
 TEST_CASE("Bad command lines are refused by what is wrong in them") {
   CHECK_THROWS_WITH(parse({}), contains("no command"));
-  CHECK_THROWS_WITH(parse({"swep"}), contains("swep") && contains("sweep and trace"));
+  CHECK_THROWS_WITH(parse({"swep"}), contains("swep") && contains("sweep, trace and assess"));
   CHECK_THROWS_WITH(parse({"sweep"}), contains("no job file"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "b"}), contains("b"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "--overwrit"}), contains("--overwrit"));

@@ -67,7 +67,7 @@ class CommandTest(unittest.TestCase):
 
 class Help(CommandTest):
     def test_help_and_version_go_to_stdout(self):
-        for arguments in (["--help"], ["sweep", "--help"], ["trace", "--help"]):
+        for arguments in (["--help"], ["sweep", "--help"], ["trace", "--help"], ["assess", "--help"]):
             self.assertIn("trebsweep", self.run_program(*arguments).stdout)
         self.assertRegex(self.run_program("--version").stdout,
                          r"^trebsweep \d+\.\d+\.\d+ \(.+\)\nkernel: .+ \(\d lanes\)\n$")
@@ -120,7 +120,7 @@ class BadInput(CommandTest):
         self.assert_refused(["sweep", job], "scene.gravitiy", "counterweight-mass")
         self.assert_refused(["sweep", self.job, "--scene.gravitiy", "9.8"], "scene.gravitiy")
         self.assert_refused(["sweep", self.job, "--overwrit"], "--overwrit")
-        self.assert_refused(["swep", self.job], "swep", "sweep and trace")
+        self.assert_refused(["swep", self.job], "swep", "sweep, trace and assess")
 
     def test_job_files_that_are_none(self):
         self.assert_refused(["sweep", "missing.cfg"], "missing.cfg", "No such file")
@@ -342,6 +342,48 @@ class Trace(CommandTest):
         self.assert_refused(["trace", self.job, "--r1", "x", "--r2", "1", "--r3", "1"], "r1 = x")
         self.assert_refused(["trace", self.job, "--r1", "0.3", "--r2", "1", "--r3", "1"],
                             "r1 = 0.3", "0.5")
+
+
+class Assess(CommandTest):
+    SMALL = ("--assess.steppers", "euler, dopri5, rosenbrock4", "--assess.time-steps", "0.01, 0.005",
+             "--assess.tolerances", "1e-5, 1e-8", "--assess.designs", "3", "--assess.repeats", "1",
+             "--lattice.increment", "0.25")
+
+    def test_tables_on_stdout_and_in_xarray(self):
+        job = self.write("job.cfg", f"[assess]\nscenes = {JOBS}/extreme/long_steps.cfg\n"
+                                    f"extremes = {JOBS}/extreme/upright.cfg\n")
+        done = self.run_program("assess", job, *self.SMALL, ranks=2)
+        for title in ("References", "Errors of each solver", "Extreme scenes", "Order of convergence",
+                      "largest step", "A small oscillation", "whole lattice", "The cheapest solver"):
+            self.assertIn(title, done.stdout)
+        self.assertIn("not_released", done.stdout)
+        for engine in ("netcdf4", "h5netcdf"):
+            with xr.open_dataset(self.path("job.h5"), group="accuracy", engine=engine) as data:
+                frame = data.to_dataframe()
+        self.assertEqual(list(frame.scene.unique()), ["long_steps"])
+        dopri5 = frame[frame.stepper == "dopri5"]
+        self.assertLess(dopri5.error_largest.iloc[1], 1e-2 * dopri5.error_largest.iloc[0])
+        self.assertTrue((frame.seconds > 0).all())
+        self.assertEqual(data.error_median.attrs["units"], "m s-1")
+        with h5py.File(self.path("job.h5")) as file:
+            self.assertIn("time-steps = 0.01, 0.005", file.attrs["job"])
+        self.assert_refused(["assess", job, *self.SMALL], "output.file", "is there already")
+        self.run_program("assess", job, *self.SMALL, "--overwrite", "--progress", "none")
+
+    def test_the_jobs_own_scene_where_none_is_named(self):
+        done = self.run_program("assess", self.job, *self.SMALL, ranks=2)
+        self.assertIn("scene job", done.stdout)
+
+    def test_files_that_are_missing(self):
+        self.assert_refused(["assess", self.job, "--assess.scenes", "nowhere.cfg"], "nowhere.cfg")
+
+    def test_a_sweep_by_a_target_error(self):
+        job = self.write("target.cfg", "[solver]\nstepper = dopri5\ntarget-error = 1e-5\n")
+        done = self.run_program("sweep", job, *COARSE, "--output.fields", "speed, speed-error", ranks=2)
+        self.assertIn("tolerance ", done.stderr)
+        with h5py.File(self.path("target.h5")) as file:
+            self.assertLess(np.nanmax(np.abs(file["speed_error"])), 1e-5)
+        self.run_program("sweep", job, *COARSE, "--output.fields", "speed, speed-error")  # done already
 
 
 if __name__ == "__main__":

@@ -67,7 +67,8 @@ compression = 4
 
 TEST_CASE("Every key is refused by its name and value when the value is nonsense") {
   for (const Key& key : job_keys()) {
-    if (key.name == "output.file") continue;
+    if (key.name == "output.file" || key.name == "assess.scenes" || key.name == "assess.extremes")
+      continue;  // any text can be a path
     INFO(key.name);
     CHECK_THROWS_WITH(parse("", {{key.name, "nonsense"}}),
                       contains(key.name + " = nonsense: must be "));
@@ -104,7 +105,10 @@ TEST_CASE("Values out of range are refused") {
       {"output.file", "a#b.h5"},       {"output.optimum", "slack"},
       {"scene.sling-stiffness", "-1"}, {"scene.sling-damping", "-1"},
       {"scene.pivot-viscosity", "-1"}, {"scene.pivot-friction", "-0.1"},
-      {"scene.sling-mass", "-2"},
+      {"scene.sling-mass", "-2"},      {"solver.target-error", "0"},
+      {"assess.steppers", "leapfrog"}, {"assess.tolerances", "1"},
+      {"assess.time-steps", "0"},      {"assess.designs", "0"},
+      {"assess.target-error", "-1"},   {"assess.lattice-seconds", "-1"},
   };
   for (const auto& [key, value] : bad)
     CHECK_THROWS_WITH(parse("", {{key, value}}), contains(key + " = " + value + ": must be "));
@@ -117,6 +121,26 @@ TEST_CASE("Adaptive steppers use the crossing, and refuse the window") {
                     contains("solver.release = window: must be crossing"));
 }
 
+TEST_CASE("A target error stands for a tolerance, of a stepper that follows one") {
+  CHECK(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n").solver.target_error == 1e-6);
+  CHECK_THROWS_WITH(parse("[solver]\nstepper = rk4\ntarget-error = 1e-6\n"), contains("rk4"));
+  CHECK_THROWS_WITH(
+      parse("[solver]\nstepper = dopri5\ntolerance = 1e-9\ntarget-error = 1e-6\n"),
+      contains("solver.target-error = 1e-06: must be given without solver.tolerance"));
+}
+
+TEST_CASE("An assessment's lists are read; its files lie beside the job, or where the user is") {
+  const std::string text = "[assess]\nscenes = a.cfg, b/c.cfg\ntime-steps = 0.1 0.01\n";
+  const Job job = parse_job(text, "jobs/my.cfg", {});
+  CHECK(job.assess.scenes == std::vector<std::string>{"jobs/a.cfg", "jobs/b/c.cfg"});
+  CHECK(job.assess.time_steps == std::vector{0.1, 0.01});
+  CHECK(parse(text, {{"assess.scenes", "d.cfg"}}).assess.scenes ==
+        std::vector<std::string>{"d.cfg"});
+  CHECK(parse(text, {{"assess.scenes", ""}}).assess.scenes.empty());
+  CHECK_THAT(to_text(job, true), contains("time-steps = 0.1, 0.01"));
+  CHECK_THAT(to_text(job), !contains("assess"));
+}
+
 TEST_CASE("Blanks around a number, a leading + and a byte-order mark do no harm") {
   CHECK(parse("", {{"scene.gravity", " +9.5 "}}).scene.gravity == 9.5);
   CHECK_THROWS_AS(parse("", {{"scene.gravity", "+-9.5"}}), InputError);
@@ -126,8 +150,9 @@ TEST_CASE("Blanks around a number, a leading + and a byte-order mark do no harm"
   std::filesystem::remove(file);
 }
 
-TEST_CASE("jobs/paper.cfg shows every key") {
-  const std::string text = read_job_file(SOURCE_DIR "/jobs/paper.cfg");
+TEST_CASE("jobs/paper.cfg and jobs/assess.cfg show every key") {
+  const std::string text =
+      read_job_file(SOURCE_DIR "/jobs/paper.cfg") + read_job_file(SOURCE_DIR "/jobs/assess.cfg");
   for (const Key& key : job_keys())
     CHECK_THAT(text, contains(key.name.substr(key.name.find('.') + 1) + " "));
 }

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <random>
 
+#include "trebsweep/stepper_names.hpp"
 #include "trebsweep/swing.hpp"
 
 #if __has_include(<catch2/catch_session.hpp>)
@@ -43,7 +44,7 @@ std::vector<Outcome<double>> integrate_all(const Solver& solver) {
     return true;
   };
   const auto done = [&](std::uint64_t number, const Outcome<double>& o) { outcomes[number] = o; };
-  with_stepper(
+  with_pack_stepper(
       solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
         using T = Pack<R>;
         Swings<Stepper<T>, T, Effects{}, decltype(next), decltype(done)>(Scene{}, solver, {}, {},
@@ -112,7 +113,7 @@ TEST_CASE("A product that is added is one fused multiply-add where the machine h
 }
 
 TEST_CASE("Outcomes are the same to the bit in packs of one and of two registers") {
-  for (const auto name : stepper_names)
+  for (const auto name : pack_stepper_names)
     for (const Release release : {Release::crossing, Release::window}) {
       Solver solver;
       solver.stepper = name;
@@ -132,14 +133,14 @@ TEST_CASE("Outcomes are the same to the bit in packs of one and of two registers
 }
 
 TEST_CASE("Lanes agree with the same swing in single numbers") {
-  for (const auto name : stepper_names) {
+  for (const auto name : pack_stepper_names) {
     Solver solver;
     solver.stepper = name;
     solver.release = Release::crossing;
     const auto lanes = integrate_all<1>(solver);
     for (int i = 0; i < 200; i += 9) {
       const Design<double> design{0.51 + 0.004 * i, 0.3 + 0.0011 * i, 1.1 - 0.005 * i};
-      const auto alone = with_stepper(
+      const auto alone = with_pack_stepper(
           name, [&]<template <class, Effects = Effects{}> class Stepper>() {
             return swing<Stepper<double>, double>(Scene{}, design, solver);
           });

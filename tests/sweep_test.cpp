@@ -6,6 +6,7 @@
 #include "archive_reader.hpp"
 #include "catch.hpp"
 #include "trebsweep/error.hpp"
+#include "trebsweep/integrate.hpp"
 #include "trebsweep/mpi.hpp"
 
 using namespace trebsweep;

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "catch.hpp"
+#include "trebsweep/steppers.hpp"
 
 using namespace trebsweep;
 

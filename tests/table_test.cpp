@@ -24,7 +24,7 @@ Table fruit() {
 }  // namespace
 
 TEST_CASE("A table's text is aligned, with units, a dash for no number, and no hidden column") {
-  CHECK(to_text(fruit()) == "What there is\nname   mass, kg\napple      0.15\nfig           -\n");
+  CHECK(to_text(fruit()) == "What there is\nname   mass\n         kg\napple  0.15\nfig       -\n");
 }
 
 TEST_CASE("A table in a file has a dataset per column along one dimension") {

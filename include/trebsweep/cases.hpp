@@ -20,8 +20,11 @@ struct Case {
   std::vector<Reference> references;
 };
 
-/// The cases of a job's [assess], with their references; collective. Throws InputError where one of
+/// The cases of a job's [assess], without references; collective. Throws InputError where one of
 /// the files is at fault.
 std::vector<Case> make_cases(const Job& job, MPI_Comm comm);
+
+/// Computes the references of all cases' designs, dealt to the ranks one by one; collective.
+void refer(std::vector<Case>& cases, MPI_Comm comm);
 
 }  // namespace trebsweep

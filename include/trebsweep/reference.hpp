@@ -12,11 +12,11 @@ namespace trebsweep {
 /// A design's swing as well as it can be known.
 struct Reference {
   Status status;
-  double speed;                 ///< m/s, NaN without a release
-  double release_time;          ///< s, NaN without a release
-  std::array<double, 6> state;  ///< at the end; the first four of a rigid sling
-  double speed_bound;           ///< m/s: how far the speed can be off
-  double time_bound;            ///< s: how far the release time can be off
+  double speed;                      ///< m/s, NaN without a release
+  long double release_time;          ///< s, NaN without a release
+  std::array<long double, 6> state;  ///< at the end; the first four of a rigid sling
+  double speed_bound;                ///< m/s: how far the speed can be off
+  double time_bound;                 ///< s: how far the release time can be off
 };
 
 /// The swing in quadruple precision by fehlberg78, at two tolerances; their difference bounds the

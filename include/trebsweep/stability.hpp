@@ -25,7 +25,8 @@ double amplification(const std::string& stepper, const std::vector<Spectrum>& sp
 double largest_stable_step(const std::string& stepper, const std::vector<Spectrum>& spectra);
 
 /// The state after `steps` steps of one length to the reference's release: its largest error, of a
-/// coordinate, over one and that coordinate; infinite where it is not finite. Not of
+/// coordinate, over one and that coordinate; infinite where it is not finite. In long double, where
+/// the stepper can. Not of
 /// bulirsch_stoer.
 double error_of_steps(const std::string& stepper, const Scene& scene, const Design<double>& design,
                       const Reference& reference, std::uint64_t steps);

@@ -1,0 +1,51 @@
+#include "trebsweep/tolerance.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "trebsweep/accuracy.hpp"
+#include "trebsweep/integrate.hpp"
+#include "trebsweep/number.hpp"
+#include "trebsweep/sample.hpp"
+
+namespace trebsweep {
+
+double tolerance_for_target(const Job& job) {
+  constexpr double safety = 4;
+  const auto designs = sample(Lattice(job.scene, job.lattice), 128);
+  const auto shoot = [&](const Solver& solver) {
+    std::vector<Shot> shots(designs.size());
+    integrate(job.scene, solver, designs, {}, shots, {});
+    return shots;
+  };
+  const auto truth = shoot(solver_of("dopri5", 1e-14, job.solver));
+  // From tight to loose, as long as the error keeps below.
+  double chosen = 0, smallest = std::numeric_limits<double>::infinity();
+  for (int exponent = 26; exponent >= 6; --exponent) {
+    const double tolerance = std::pow(10, -exponent / 2.0);
+    const auto shots = shoot(solver_of(job.solver.stepper, tolerance, job.solver));
+    double largest = 0;
+    for (std::size_t i = 0; i < shots.size(); ++i) {
+      if (is_shot(shots[i].status) != is_shot(truth[i].status))
+        largest = std::numeric_limits<double>::infinity();
+      else if (is_shot(shots[i].status))
+        largest = std::max(largest, std::abs(shots[i].speed - truth[i].speed));
+    }
+    smallest = std::min(smallest, safety * largest);
+    if (safety * largest <= job.solver.target_error)
+      chosen = tolerance;
+    else if (chosen > 0)
+      break;
+  }
+  if (chosen == 0)
+    refuse("solver.target-error", fmt::format("{}", job.solver.target_error),
+           fmt::format("at least {:.1g} m/s, which {} can reach in this scene", smallest,
+                       job.solver.stepper));
+  return chosen;
+}
+
+}  // namespace trebsweep
