@@ -91,8 +91,8 @@ def design_text(design):
 
 
 def unit_text(unit):
-    """A UDUNITS string as people write it: "m s-1" -> "m/s"."""
-    return unit.replace(" s-1", "/s")
+    """A UDUNITS string as people write it: "m s-1" -> "m/s", "s-1" -> "1/s"."""
+    return "1/s" if unit == "s-1" else unit.replace(" s-1", "/s")
 
 
 def edges(values):

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 from matplotlib.colors import LogNorm, SymLogNorm
 
-from archive import Archive, edges, plt, save
+from archive import Archive, edges, plt, save, unit_text
 from heatmap import PLANES, plane
 
 STEPPERS = ("euler", "modified_midpoint", "rk4", "cash_karp54", "dopri5", "fehlberg78",
@@ -153,7 +153,8 @@ def draw_map(archive, field, title):
         panel.set_ylabel(archive.label(vertical))
         panel.set_title(f"{fixed} = {centre[fixed]:g} m")
         panel.set_facecolor("0.93")
-    figure.colorbar(mesh, ax=axes, pad=0.01).set_label(archive.label(field))
+    unit = unit_text(archive.map(field).attrs.get("units", ""))
+    figure.colorbar(mesh, ax=axes, pad=0.01).set_label(f"{field.replace('_', ' ')} ({unit})")
     figure.suptitle(title)
     return figure
 
@@ -182,8 +183,8 @@ def main():
         archive = Archive(arguments.maps)
         for field in ("speed_error", "stiffness"):
             if field in archive.fields:
-                save(draw_map(archive, field, f"{os.path.basename(arguments.maps)}: "
-                              + archive.label(field)), f"{stem}-{field}.{arguments.format}")
+                save(draw_map(archive, field, archive.label(field)),
+                     f"{stem}-{field}.{arguments.format}")
 
 
 if __name__ == "__main__":
