@@ -51,6 +51,22 @@ class AnalysisTest(unittest.TestCase):
                            stderr=subprocess.DEVNULL, timeout=120)
         return table
 
+    def test_an_assessment_with_maps(self):
+        maps = self.sweep("paper", "--output.fields", "speed, status, speed-error, stiffness",
+                          name="maps")
+        subprocess.run([os.environ["TREBSWEEP"], "assess", f"{SOURCE}/jobs/paper.cfg",
+                        "--assess.scenes", f"{SOURCE}/jobs/extreme/long_steps.cfg",
+                        "--assess.steppers", "euler, dopri5", "--assess.time-steps", "0.01, 0.005",
+                        "--assess.tolerances", "1e-5, 1e-7", "--assess.repeats", "1",
+                        "--output.file", self.path("assess.h5")],
+                       check=True, capture_output=True, timeout=120)
+        self.run_script("assess.py", "assess.h5", "--maps", maps)
+        for picture in ("precision", "order", "stability", "speed_error", "stiffness"):
+            self.assert_picture(f"assess-{picture}.png")
+        self.run_script("assess.py", "assess.h5", "--format", "svg", "-o", "other")
+        self.assert_picture("other-precision.svg")
+        self.run_script("assess.py", "paper.h5", code=1)
+
     def test_heatmaps_of_every_field_in_every_format(self):
         for field in ("speed", "release-time", "status"):
             self.run_script("heatmap.py", "accurate.h5", "--field", field)

@@ -33,3 +33,22 @@ TEST_CASE("What rank 0 returns or throws is returned or thrown everywhere") {
       mpi::on_root(MPI_COMM_WORLD, []() -> std::string { throw std::runtime_error("disk"); }),
       "disk");
 }
+
+TEST_CASE("What ranks compute in turn is known to all of them") {
+  struct Result {
+    std::size_t n;
+    double half;
+    char kind;
+  };
+  for (const std::size_t count : {0, 1, 2, 7}) {
+    const auto results = mpi::share(count, MPI_COMM_WORLD, [](std::size_t n) {
+      return Result{n, static_cast<double>(n) / 2, 'x'};
+    });
+    REQUIRE(results.size() == count);
+    for (std::size_t n = 0; n < count; ++n) {
+      CHECK(results[n].n == n);
+      CHECK(results[n].half == static_cast<double>(n) / 2);
+      CHECK(results[n].kind == 'x');
+    }
+  }
+}
