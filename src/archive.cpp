@@ -56,6 +56,19 @@ void write_numbers(hid_t dataset, hid_t memory_type, hid_t memory, hid_t file, h
   check(H5Dwrite(dataset, memory_type, memory, file, transfer, numbers.data()), "write a map");
 }
 
+/// Writes rows of a dataset of a row per tile, by one rank alone.
+void write_rows(hid_t dataset, std::uint64_t first, std::size_t count, std::size_t columns,
+                hid_t type, const void* rows) {
+  const std::string what = "mark tiles done";
+  const hdf5::Dataspace file(H5Dget_space(dataset), what);
+  const std::array<hsize_t, 2> start{first, 0}, extent{count, columns};  // or the first of each
+  check(H5Sselect_hyperslab(file, H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr),
+        what);
+  const hsize_t values = count * columns;
+  const hdf5::Dataspace memory(H5Screate_simple(1, &values, nullptr), what);
+  check(H5Dwrite(dataset, type, memory, file, H5P_DEFAULT, rows), what);
+}
+
 void write_flags(hid_t dataset, const std::vector<std::string>& meanings) {
   std::vector<unsigned char> values(meanings.size());
   std::iota(values.begin(), values.end(), static_cast<unsigned char>(0));
@@ -93,20 +106,25 @@ hdf5::Dataset create_axis(hid_t file, const std::string& name, const std::string
 
 /// Allocates the chunks of a map that hold designs, and no others, by writing a cell of each.
 /// Chunks first allocated in parallel make HDF5 1.10 hang, if filtered, and else are all allocated.
-void allocate(hid_t dataset, hid_t space, double fill, const Tiling& tiling) {
+/// Returns false where `stop` asked for it.
+bool allocate(hid_t dataset, hid_t space, double fill, const Tiling& tiling,
+              const std::function<bool()>& stop) {
   const std::string what = "allocate a map";
   const std::array<hsize_t, 3> one{1, 1, 1};
   const hdf5::Dataspace memory(H5Screate_simple(3, one.data(), nullptr), what);
   for (std::uint64_t t = 0; t < tiling.size(); ++t) {
+    if (stop()) return false;
     const auto first = sizes(tiling.tile(t).first);
     check(H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, one.data(), nullptr),
           what);
     check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, &fill), what);
   }
+  return true;
 }
 
-void create_map(hid_t file, const std::vector<hdf5::Dataset>& axes, const MapInfo& info,
-                const Lattice& lattice, const Tiling& tiling, int compression) {
+bool create_map(hid_t file, const std::vector<hdf5::Dataset>& axes, const MapInfo& info,
+                const Lattice& lattice, const Tiling& tiling, int compression,
+                const std::function<bool()>& stop) {
   const std::string what = "create map " + info.dataset;
   const auto extent = sizes(lattice.extent());
   const auto chunk = sizes(tiling.edge());
@@ -133,62 +151,134 @@ void create_map(hid_t file, const std::vector<hdf5::Dataset>& axes, const MapInf
     write_fill_attribute(dataset, info.type, info.fill);
   else
     write_flags(dataset, info.flag_meanings);
-  allocate(dataset, space, info.fill, tiling);
+  return allocate(dataset, space, info.fill, tiling, stop);
 }
 
-void create_tile_done(hid_t file, const Tiling& tiling) {
-  const std::string what = "create tile_done";
-  const hsize_t count = tiling.size();
+/// The dimensions of what is kept for each tile, in netCDF's own form of such without coordinates.
+hdf5::Dataset create_dimension(hid_t file, const std::string& name, hsize_t count) {
+  const std::string what = "create dimension " + name;
   const hdf5::Dataspace space(H5Screate_simple(1, &count, nullptr), what);
-  const auto create = [&](const char* name) {
-    return hdf5::Dataset(
-        H5Dcreate2(file, name, H5T_STD_U8LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), what);
-  };
-  // netCDF's own form of a dimension that has no coordinates.
-  const hdf5::Dataset tile = create("tile");
+  hdf5::Dataset dimension(
+      H5Dcreate2(file, name.c_str(), H5T_STD_U8LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      what);
   const std::string scale =
       fmt::format("This is a netCDF dimension but not a netCDF variable.{:10d}", count);
-  check(H5DSset_scale(tile, scale.c_str()), what);
-  const hdf5::Dataset done = create("tile_done");
-  check(H5DSattach_scale(done, tile, 0), what);
-  hdf5::write_attribute(done, "long_name", std::string("1 where the tile's designs are done"));
+  check(H5DSset_scale(dimension, scale.c_str()), what);
+  return dimension;
 }
 
-/// Creates the file with all that it will ever hold, but for values; by one rank alone, since HDF5
-/// would allocate every chunk of a dataset that is created in parallel.
-void create_skeleton(const std::filesystem::path& path, const Lattice& lattice,
-                     const Tiling& tiling, const std::vector<MapInfo>& maps, int compression) {
+hdf5::Dataset create_tile_dataset(hid_t file, const std::string& name, hid_t type,
+                                  const std::vector<hsize_t>& extents,
+                                  const std::string& long_name) {
+  const std::string what = "create " + name;
+  const hdf5::Dataspace space(
+      H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr), what);
+  const hdf5::Properties creation(H5Pcreate(H5P_DATASET_CREATE), what);
+  check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), what);
+  hdf5::Dataset dataset(
+      H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, creation, H5P_DEFAULT), what);
+  hdf5::write_attribute(dataset, "long_name", long_name);
+  return dataset;
+}
+
+void create_tile_datasets(hid_t file, const Tiling& tiling) {
+  const hdf5::Dataset tile = create_dimension(file, "tile", tiling.size());
+  const hdf5::Dataset tally = create_dimension(file, "tally", tally_columns.size());
+  const hdf5::Dataset done = create_tile_dataset(file, "tile_done", H5T_STD_U8LE, {tiling.size()},
+                                                 "1 where the tile's designs are done");
+  check(H5DSattach_scale(done, tile, 0), "create tile_done");
+  const auto edge = sizes(tiling.edge());
+  hdf5::write_attribute(done, "edge_r1", static_cast<unsigned long long>(edge[0]));
+  hdf5::write_attribute(done, "edge_r3", static_cast<unsigned long long>(edge[1]));
+  hdf5::write_attribute(done, "edge_r2", static_cast<unsigned long long>(edge[2]));
+  const hdf5::Dataset tallies =
+      create_tile_dataset(file, "tile_tally", H5T_IEEE_F64LE, {tiling.size(), tally_columns.size()},
+                          "what the tile's designs came to");
+  check(H5DSattach_scale(tallies, tile, 0), "create tile_tally");
+  check(H5DSattach_scale(tallies, tally, 1), "create tile_tally");
+  hdf5::write_attribute(tallies, "columns", fmt::format("{}", fmt::join(tally_columns, " ")));
+}
+
+void write_attributes(hid_t file, const Attributes& attributes) {
+  for (const auto& [name, value] : attributes)
+    std::visit([&, &key = name](const auto& v) { hdf5::write_attribute(file, key, v); }, value);
+}
+
+/// Creates the file that will be the partial one. Returns false where `stop` asked for it.
+bool create_skeleton(const std::filesystem::path& path, const Lattice& lattice,
+                     const Tiling& tiling, const std::vector<MapInfo>& maps, int compression,
+                     const Attributes& attributes, const std::function<bool()>& stop) {
   const std::string what = "create " + path.string();
-  hdf5::File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), what);
+  const hdf5::Properties creation(H5Pcreate(H5P_FILE_CREATE), what);
+  // Space that was freed is never used again. A compressed chunk moves when it is written, and what
+  // a killed run leaves may still point to its old place: that must still be a chunk.
+  check(H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_NONE, false, 1), what);
+  hdf5::File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT), what);
   const auto& values = lattice.axes();
   std::vector<hdf5::Dataset> axes;
   axes.push_back(create_axis(file, "r1", "length of the counterweight's arm", values[0]));
   axes.push_back(create_axis(file, "r3", "length of the sling", values[1]));
   axes.push_back(create_axis(file, "r2", "length of the throwing arm", values[2]));
-  for (const MapInfo& map : maps) create_map(file, axes, map, lattice, tiling, compression);
-  create_tile_done(file, tiling);
+  for (const MapInfo& map : maps)
+    if (!create_map(file, axes, map, lattice, tiling, compression, stop)) return false;
+  create_tile_datasets(file, tiling);
+  write_attributes(file, attributes);
   axes.clear();
+  check(H5Fflush(file, H5F_SCOPE_GLOBAL), what);
   file.close(what);
+  return true;
 }
 
 }  // namespace
 
-std::filesystem::path Archive::partial_path(const std::filesystem::path& path) {
+std::filesystem::path partial_path(const std::filesystem::path& path) {
   return path.string() + ".partial";
 }
 
-Archive::Archive(const std::filesystem::path& path, const Lattice& lattice, const Tiling& tiling,
-                 const std::vector<MapInfo>& maps, int compression, MPI_Comm comm)
-    : path_(path), comm_(comm), collective_(collective_transfer()) {
+bool create_partial(const std::filesystem::path& path, const Lattice& lattice, const Tiling& tiling,
+                    const std::vector<MapInfo>& maps, int compression, const Attributes& attributes,
+                    const std::function<bool()>& stop) {
   hdf5::silence();
   const auto partial = partial_path(path);
-  mpi::on_root(comm, [&] {
-    create_skeleton(partial, lattice, tiling, maps, compression);
-    return std::string();
-  });
-  file_.emplace(open_file(partial, comm));
+  const auto unnamed = partial.string() + ".new";
+  std::error_code ignored;
+  bool whole = false;
+  try {
+    whole = create_skeleton(unnamed, lattice, tiling, maps, compression, attributes, stop);
+    if (whole) std::filesystem::rename(unnamed, partial);
+  } catch (...) {
+    std::filesystem::remove(unnamed, ignored);
+    throw;
+  }
+  if (!whole) std::filesystem::remove(unnamed, ignored);
+  return whole;
+}
+
+void add_history(const std::filesystem::path& path, const std::string& line) {
+  hdf5::silence();
+  const auto partial = partial_path(path);
+  hdf5::File file(H5Fopen(partial.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open " + partial.string());
+  std::string history;
+  try {
+    history = hdf5::read_text_attribute(file, "history") + "\n";
+  } catch (const std::runtime_error&) {
+    // A run was killed while it was written: not worth the rest.
+  }
+  hdf5::write_attribute(file, "history", history + line);
+  file.close("write in " + partial.string());
+}
+
+void finish(const std::filesystem::path& path) {
+  std::filesystem::rename(partial_path(path), path);
+}
+
+Archive::Archive(const std::filesystem::path& path, const std::vector<MapInfo>& maps, MPI_Comm comm)
+    : path_(path), comm_(comm), collective_(collective_transfer()) {
+  hdf5::silence();
+  file_.emplace(open_file(partial_path(path), comm));
   for (const MapInfo& map : maps) maps_.push_back({open_dataset(*file_, map.dataset), map.type});
   tile_done_ = open_dataset(*file_, "tile_done");
+  tile_tally_ = open_dataset(*file_, "tile_tally");
 }
 
 void Archive::write(const std::optional<Tile>& tile, std::span<const std::vector<double>> maps) {
@@ -224,45 +314,28 @@ void Archive::write(const std::optional<Tile>& tile, std::span<const std::vector
   }
 }
 
-void Archive::mark_done(std::uint64_t first, std::uint64_t count) {
+void Archive::mark_done(std::uint64_t first, std::span<const TallyRow> tallies) {
+  const bool root = mpi::rank(comm_) == 0;
+  if (root)
+    write_rows(*tile_tally_, first, tallies.size(), tally_columns.size(), H5T_NATIVE_DOUBLE,
+               tallies.data());
   // Without this flush a killed run leaves tiles marked whose data never reached the disk.
   flush();
-  if (mpi::rank(comm_) == 0) {
-    const hsize_t start = first, length = count;
-    const hdf5::Dataspace file(H5Dget_space(*tile_done_), "mark tiles done");
-    check(H5Sselect_hyperslab(file, H5S_SELECT_SET, &start, nullptr, &length, nullptr),
-          "mark tiles done");
-    const hdf5::Dataspace memory(H5Screate_simple(1, &length, nullptr), "mark tiles done");
-    const std::vector<unsigned char> done(count, 1);
-    check(H5Dwrite(*tile_done_, H5T_NATIVE_UCHAR, memory, file, H5P_DEFAULT, done.data()),
-          "mark tiles done");
-  }
+  const std::vector<unsigned char> done(tallies.size(), 1);
+  if (root) write_rows(*tile_done_, first, done.size(), 1, H5T_NATIVE_UCHAR, done.data());
   flush();
 }
+
+void Archive::write(const Attributes& attributes) { write_attributes(*file_, attributes); }
 
 void Archive::flush() { check(H5Fflush(*file_, H5F_SCOPE_GLOBAL), "flush " + path_.string()); }
 
-void Archive::finish() {
+void Archive::close() {
   flush();
   tile_done_.reset();
+  tile_tally_.reset();
   maps_.clear();
   file_->close("close " + path_.string());
-  mpi::on_root(comm_, [&] {
-    std::filesystem::rename(partial_path(path_), path_);
-    return std::string();
-  });
-}
-
-std::optional<std::string> archived_job(const std::filesystem::path& path) {
-  hdf5::silence();
-  if (H5Fis_hdf5(path.c_str()) <= 0) return std::nullopt;
-  try {
-    const hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
-                          "open " + path.string());
-    return hdf5::read_text_attribute(file, "job");
-  } catch (const std::runtime_error&) {
-    return std::nullopt;
-  }
 }
 
 }  // namespace trebsweep

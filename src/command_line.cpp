@@ -34,7 +34,8 @@ Usage:
 JOB is a text file of keys with their values; jobs/paper.cfg is one to start from. Any of its keys is
 also an option, which wins over the file: --solver.tolerance 1e-9
 
-Exit codes: 0 complete, 1 run-time error, 2 bad command line or job file.
+Exit codes: 0 complete, 1 run-time error, 2 bad command line or job file, 75 stopped before the end
+(the same command continues).
 )";
 
 const char* const sweep_help =
@@ -43,6 +44,10 @@ const char* const sweep_help =
 Integrates every design (r1, r3, r2) of the job's lattice, on all ranks it was started with, and writes
 maps of what each one does into one HDF5 archive (see output.file). While it works, the file's name ends
 in .partial.
+
+An interrupted sweep is continued by the same command, on any number of ranks; nothing that was done is
+lost, even by a kill, but for the last second or so. SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and --time-limit stop
+it in good order, with exit code 75.
 
 )";
 
@@ -83,6 +88,8 @@ po::options_description command_options(Command command) {
   add("help,h", "this text");
   if (command != Command::trace) {
     add("overwrite", "replace the archive, or the unfinished one, that is there");
+    add("time-limit", po::value<std::string>()->value_name("TIME"),
+        "stop by itself, with exit code 75, after seconds or [[days-]hours:]minutes:seconds");
     add("progress", po::value<std::string>()->value_name("STYLE"),
         "on stderr: auto, bar, lines or none");
   } else {
@@ -193,6 +200,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
 
   if (line.command != Command::trace) {
     line.overwrite = given.count("overwrite") > 0;
+    if (given.count("time-limit"))
+      line.time_limit = to_seconds("time-limit", given["time-limit"].as<std::string>());
     if (given.count("progress")) line.progress = to_progress(given["progress"].as<std::string>());
   } else {
     line.design = {length(given, "r1"), length(given, "r3"), length(given, "r2")};

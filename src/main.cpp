@@ -11,6 +11,7 @@
 #include "trebsweep/error.hpp"
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/mpi.hpp"
+#include "trebsweep/stop_signals.hpp"
 #include "trebsweep/sweep.hpp"
 #include "trebsweep/tolerance.hpp"
 #include "trebsweep/trace.hpp"
@@ -20,16 +21,28 @@ namespace {
 
 using namespace trebsweep;
 
-void run_sweep(const CommandLine& line, const Job& job, const std::string& command) {
+constexpr int stopped_before_the_end = 75;  // EX_TEMPFAIL: trying again helps
+
+/// Returns the exit code.
+int run_sweep(const CommandLine& line, const Job& job, const std::string& command) {
+  const double deadline = MPI_Wtime() + line.time_limit;
+  const StopSignals signals;
   const SweepOptions options{
-      .overwrite = line.overwrite, .progress = line.progress, .command = command};
+      .overwrite = line.overwrite, .progress = line.progress, .command = command, .stop = [&] {
+        return signals.came() || MPI_Wtime() >= deadline;
+      }};
   const auto summary = sweep(job, options, MPI_COMM_WORLD);
-  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
-  if (summary)
+  const int code = summary && !summary->complete ? stopped_before_the_end : 0;
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return code;
+  if (code != 0)
+    fmt::print(stderr, "trebsweep: stopped with {} designs done; the same command continues{}\n",
+               summary->designs(), line.overwrite ? ", without --overwrite" : "");
+  else if (summary)
     fmt::print("{}", to_text(*summary, job, mpi::size(MPI_COMM_WORLD)));
   else
     fmt::print(stderr, "{} holds the complete archive of this job; --overwrite computes it anew\n",
                job.output.file);
+  return code;
 }
 
 void run_trace(const CommandLine& line, const Job& job) {
@@ -50,14 +63,15 @@ void run_assess(const CommandLine& line, const Job& job, const std::string& comm
   fmt::print("archive   {}\n", job.output.file);
 }
 
-void run(int argc, char** argv) {
+/// Returns the exit code.
+int run(int argc, char** argv) {
   const CommandLine line = parse_command_line(argc, argv);
   const bool root = mpi::rank(MPI_COMM_WORLD) == 0;
   if (line.command == Command::help || line.command == Command::version) {
     if (root && line.command == Command::help) fmt::print("{}", line.help);
     if (root && line.command == Command::version)
       fmt::print("{}\nkernel: {}\n", version_text(), instruction_set());
-    return;
+    return 0;
   }
   const std::string text =
       mpi::on_root(MPI_COMM_WORLD, [&] { return read_job_file(line.job_file); });
@@ -70,11 +84,12 @@ void run(int argc, char** argv) {
   }
   const std::string command = fmt::format("{}", fmt::join(std::span(argv, argv + argc), " "));
   if (line.command == Command::sweep)
-    run_sweep(line, job, command);
-  else if (line.command == Command::assess)
+    return run_sweep(line, job, command);
+  if (line.command == Command::assess)
     run_assess(line, job, command);
   else if (root)
     run_trace(line, job);
+  return 0;
 }
 
 /// Ends all ranks after a failure of one.
@@ -92,18 +107,24 @@ void run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const mpi::Environment environment(argc, argv);
-  // Failures other than the user's are not caught: unwinding would close the archive, which waits
-  // for all ranks, while the others are elsewhere.
+  // Failures of one rank are not caught: unwinding would close the archive, which waits for all
+  // ranks, while the others are elsewhere.
   std::set_terminate(end_all_ranks);
   const int rank = mpi::rank(MPI_COMM_WORLD);
+  // Every rank comes to these with the same message; one tells it.
+  const auto tell = [&](const std::exception& error) {
+    if (rank == 0) fmt::print(stderr, "trebsweep: {}\n", error.what());
+  };
   try {
-    run(argc, argv);
-    if (std::fflush(stdout) == 0) return 0;
+    const int code = run(argc, argv);
+    if (std::fflush(stdout) == 0) return code;
     std::perror("trebsweep: cannot write to stdout");
     return 1;
   } catch (const InputError& error) {
-    // Every rank comes here with the same message; one tells it.
-    if (rank == 0) fmt::print(stderr, "trebsweep: {}\n", error.what());
+    tell(error);
     return 2;
+  } catch (const mpi::RootError& error) {
+    tell(error);
+    return 1;
   }
 }

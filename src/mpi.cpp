@@ -29,6 +29,10 @@ std::string broadcast(std::string text, MPI_Comm comm) {
   return text;
 }
 
+void broadcast(std::span<std::uint64_t> values, MPI_Comm comm) {
+  MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_UINT64_T, 0, comm);
+}
+
 double max(double value, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm);
   return value;
@@ -42,6 +46,17 @@ std::uint64_t min(std::uint64_t value, MPI_Comm comm) {
 void sum(std::span<std::uint64_t> values, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_UINT64_T, MPI_SUM,
                 comm);
+}
+
+double sum(double value, MPI_Comm comm) {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, comm);
+  return value;
+}
+
+void sum_on_root(std::span<double> values, MPI_Comm comm) {
+  const bool root = rank(comm) == 0;
+  MPI_Reduce(root ? MPI_IN_PLACE : values.data(), root ? values.data() : nullptr,
+             static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, 0, comm);
 }
 
 std::string on_root(MPI_Comm comm, const std::function<std::string()>& f) {
@@ -59,7 +74,7 @@ std::string on_root(MPI_Comm comm, const std::function<std::string()>& f) {
   message = broadcast(message, comm);
   const std::string text = message.substr(1);
   if (message[0] == '!') throw InputError(text);
-  if (message[0] == '?') throw std::runtime_error(text);
+  if (message[0] == '?') throw RootError(text);
   return text;
 }
 

@@ -5,6 +5,7 @@
 
 #include "archive_reader.hpp"
 #include "catch.hpp"
+#include "trebsweep/contents.hpp"
 #include "trebsweep/mpi.hpp"
 
 using namespace trebsweep;
@@ -28,6 +29,22 @@ double value_of(const Index3& i) {
   return static_cast<double>(i[0] * 10000 + i[1] * 100 + i[2]) + 0.25;
 }
 
+Archive make_archive(const std::filesystem::path& path, const Lattice& lattice,
+                     const Tiling& tiling, const std::vector<MapInfo>& maps, int compression) {
+  mpi::on_root(MPI_COMM_WORLD, [&] {
+    const Attributes attributes{{"best_speed", nan}, {"job", std::string("some text")}};
+    create_partial(path, lattice, tiling, maps, compression, attributes, [] { return false; });
+    return std::string();
+  });
+  return Archive(path, maps, MPI_COMM_WORLD);
+}
+
+/// Gives the file its name, too.
+void close(Archive& archive, const std::filesystem::path& path) {
+  archive.close();
+  mpi::on_root(MPI_COMM_WORLD, [&] { return finish(path), std::string(); });
+}
+
 /// Writes every tile, each rank its own, with values that tell their place.
 void write_all(Archive& archive, const Lattice& lattice, const Tiling& tiling) {
   const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
@@ -46,7 +63,7 @@ void write_all(Archive& archive, const Lattice& lattice, const Tiling& tiling) {
           }
     }
     archive.write(tile, maps);
-    archive.mark_done(first, std::min(ranks, tiling.size() - first));
+    archive.mark_done(first, std::vector<TallyRow>(std::min(ranks, tiling.size() - first)));
   }
 }
 
@@ -58,13 +75,12 @@ TEST_CASE("Every value lands at its place, plain and compressed, in each number 
   for (const int compression : {0, 4})
     for (const MapType type : {MapType::float64, MapType::float32}) {
       const TemporaryFile file("archive");
-      Archive archive(file.path(), lattice, tiling, two_maps(type), compression, MPI_COMM_WORLD);
+      Archive archive = make_archive(file.path(), lattice, tiling, two_maps(type), compression);
       write_all(archive, lattice, tiling);
-      archive.attribute("job", std::string("some text"));
-      archive.attribute("best_speed", 17.5);
+      archive.write({{"best_speed", 17.5}});
       CHECK_FALSE(std::filesystem::exists(file.path()));
-      archive.finish();
-      CHECK_FALSE(std::filesystem::exists(Archive::partial_path(file.path())));
+      close(archive, file.path());
+      CHECK_FALSE(std::filesystem::exists(partial_path(file.path())));
 
       if (mpi::rank(MPI_COMM_WORLD) == 0) {
         CHECK(archived_job(file.path()) == "some text");
@@ -89,13 +105,12 @@ TEST_CASE("What was not written is the fill value, and not marked done") {
   const Lattice lattice = small_lattice();
   const Tiling tiling(lattice, {4, 3, 5});
   const TemporaryFile file("archive_empty");
-  Archive archive(file.path(), lattice, tiling, two_maps(MapType::float64), 0, MPI_COMM_WORLD);
-  archive.finish();
+  Archive archive = make_archive(file.path(), lattice, tiling, two_maps(MapType::float64), 0);
+  close(archive, file.path());
   if (mpi::rank(MPI_COMM_WORLD) == 0) {
     for (const double x : read_map(file.path(), "number")) REQUIRE(std::isnan(x));
     for (const double x : read_map(file.path(), "flag")) REQUIRE(x == 0);
     CHECK(read_map(file.path(), "tile_done") == std::vector<double>(tiling.size(), 0));
-    CHECK_FALSE(archived_job(file.path()));
   }
 }
 
@@ -104,10 +119,10 @@ TEST_CASE("Chunks wholly outside the lattice are never allocated") {
   const Tiling tiling(lattice, {4, 3, 5});
   for (const int compression : {0, 1}) {
     const TemporaryFile file("archive_chunks");
-    Archive archive(file.path(), lattice, tiling, two_maps(MapType::float64), compression,
-                    MPI_COMM_WORLD);
+    Archive archive =
+        make_archive(file.path(), lattice, tiling, two_maps(MapType::float64), compression);
     write_all(archive, lattice, tiling);
-    archive.finish();
+    close(archive, file.path());
     if (mpi::rank(MPI_COMM_WORLD) == 0) {
       const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
       const hdf5::Dataset map(H5Dopen2(opened, "number", H5P_DEFAULT), "open");
@@ -121,13 +136,34 @@ TEST_CASE("Chunks wholly outside the lattice are never allocated") {
   }
 }
 
-TEST_CASE("A file that is no archive holds no job") {
-  CHECK_FALSE(archived_job("/nowhere.h5"));
-  CHECK_FALSE(archived_job(SOURCE_DIR "/CMakeLists.txt"));
+TEST_CASE("An archive that cannot be created is an error that says why") {
+  CHECK_THROWS_WITH(
+      create_partial("/nowhere/a.h5", small_lattice(), Tiling(small_lattice(), {4, 4, 4}), {}, 0,
+                     {}, [] { return false; }),
+      contains("cannot create /nowhere/a.h5.partial") && contains("No such file"));
 }
 
-TEST_CASE("An archive that cannot be created is an error that says why") {
-  CHECK_THROWS_WITH(Archive("/nowhere/a.h5", small_lattice(), Tiling(small_lattice(), {4, 4, 4}),
-                            {}, 0, MPI_COMM_WORLD),
-                    contains("cannot create /nowhere/a.h5.partial"));
+TEST_CASE("Where it is told to stop, a partial file that is being made leaves nothing") {
+  const TemporaryFile file("archive_stopped");
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const Lattice lattice = small_lattice();
+  int asked = 0;
+  CHECK_FALSE(create_partial(file.path(), lattice, Tiling(lattice, {4, 3, 5}),
+                             two_maps(MapType::float64), 0, {}, [&] { return ++asked > 7; }));
+  for (const auto& entry : std::filesystem::directory_iterator(file.path().parent_path()))
+    CHECK(entry.path().string().find("archive_stopped") == std::string::npos);
+}
+
+TEST_CASE("A history grows by a line for each run") {
+  const TemporaryFile file("archive_history");
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const Lattice lattice = small_lattice();
+  create_partial(file.path(), lattice, Tiling(lattice, {4, 3, 5}), {}, 0,
+                 {{"history", std::string("began")}}, [] { return false; });
+  add_history(file.path(), "went on");
+  add_history(file.path(), std::string(5000, 'x'));
+  finish(file.path());
+  const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  CHECK(hdf5::read_text_attribute(opened, "history") ==
+        "began\nwent on\n" + std::string(5000, 'x'));
 }

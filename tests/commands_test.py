@@ -245,7 +245,7 @@ class Sweep(CommandTest):
         with h5py.File(self.path("job.h5")) as file:
             attributes = dict(file.attrs)
         self.assertEqual(attributes["Conventions"], "CF-1.10")
-        self.assertEqual(attributes["format_version"], 1)
+        self.assertEqual(attributes["format_version"], 2)
         self.assertRegex(attributes["source"], r"^trebsweep \d")
         self.assertIn("--scene.gravity 9.81", attributes["history"])
         self.assertIn("gravity = 9.81\n", attributes["job"])
@@ -307,11 +307,14 @@ class ExistingFiles(CommandTest):
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "foreign.h5"],
                             "output.file = foreign.h5", "no archive")
 
-    def test_an_unfinished_sweep_is_kept(self):
+    def test_what_is_no_unfinished_sweep_is_kept_unless_overwritten(self):
         self.write("job.h5.partial", "half of it\n")
-        self.assert_refused(["sweep", self.job, *COARSE], "job.h5.partial", "unfinished")
+        done = self.run_program("sweep", self.job, *COARSE, code=1)
+        self.assertRegex(done.stderr, r"^trebsweep: job\.h5\.partial .* --overwrite\n$")
+        with open(self.path("job.h5.partial"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), "half of it\n")
         self.run_program("sweep", self.job, *COARSE, "--overwrite")
-        self.assertFalse(os.path.exists(self.path("job.h5.partial")))
+        self.assertEqual(sorted(os.listdir(self.folder)), ["job.cfg", "job.h5"])
 
 
 class Trace(CommandTest):

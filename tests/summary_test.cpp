@@ -1,5 +1,7 @@
 #include "trebsweep/summary.hpp"
 
+#include <cmath>
+
 #include "catch.hpp"
 #include "trebsweep/mpi.hpp"
 
@@ -42,6 +44,29 @@ TEST_CASE("An optimum that only one rank has seen is known to all") {
   const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
   REQUIRE(summary.optimum);
   CHECK(summary.optimum->release_time == 0.9);
+}
+
+TEST_CASE("Tallies of parts add up to that of the whole, by way of the archive too") {
+  Tally parts[3], whole, sum;
+  for (std::uint64_t i = 0; i < 30; ++i) {
+    // Equal speeds in all parts: the first cell of them is the whole's.
+    const Shot shot = i % 7 == 0 ? Shot{0, 0, i, Status::not_released}
+                                 : released(static_cast<double>(i % 5), static_cast<double>(i));
+    parts[2 - i % 3].add(shot, i, i != 4);
+    whole.add(shot, i, i != 4);
+  }
+  for (const Tally& part : parts) sum.add(to_tally(to_row(part)));
+  CHECK(to_row(sum) == to_row(whole));
+  CHECK(sum.best_cell == whole.best_cell);
+  CHECK(to_tally(to_row(Tally{})).best_cell == Tally{}.best_cell);
+}
+
+TEST_CASE("Rows that are no tallies are refused") {
+  for (const double bad : {-1.0, 1e17, std::nan("")}) {
+    TallyRow row{};
+    row[1] = bad;
+    CHECK_THROWS_AS(to_tally(row), std::runtime_error);
+  }
 }
 
 TEST_CASE("Without a release there is no optimum, and the text says so") {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -18,8 +19,9 @@ struct CommandLine {
   Overrides overrides;
   bool overwrite = false;
   ProgressStyle progress = ProgressStyle::automatic;
-  Design<double> design{};         ///< for Command::trace
-  std::optional<double> interval;  ///< s, for Command::trace
+  double time_limit = std::numeric_limits<double>::infinity();  ///< s, for Command::sweep
+  Design<double> design{};                                      ///< for Command::trace
+  std::optional<double> interval;                               ///< s, for Command::trace
 };
 
 /// Throws InputError.
