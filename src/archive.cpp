@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <hdf5_hl.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -28,9 +29,14 @@ hdf5::Dataset open_dataset(const hdf5::File& file, const std::string& name) {
   return {H5Dopen2(file, name.c_str(), H5P_DEFAULT), what};
 }
 
+/// Filtered datasets want collective writes. Each rank's data, whole chunks, go to the file by its
+/// own hand all the same: gathered by an aggregator, they take longer, and Open MPI 4.1 has been
+/// seen to lose its failures, such as a full disk.
 hdf5::Properties collective_transfer() {
-  hdf5::Properties transfer(H5Pcreate(H5P_DATASET_XFER), "set up collective writing");
-  check(H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE), "set up collective writing");
+  const std::string what = "set up collective writing";
+  hdf5::Properties transfer(H5Pcreate(H5P_DATASET_XFER), what);
+  check(H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE), what);
+  check(H5Pset_dxpl_mpio_collective_opt(transfer, H5FD_MPIO_INDIVIDUAL_IO), what);
   return transfer;
 }
 
@@ -229,6 +235,31 @@ bool create_skeleton(const std::filesystem::path& path, const Lattice& lattice,
   return true;
 }
 
+/// What keeps a file from growing, if that can be told.
+std::string obstacle(const std::filesystem::path& path) {
+  rlimit limit{};
+  std::error_code unknown;
+  const auto size = std::filesystem::file_size(path, unknown);
+  if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && !unknown && size >= limit.rlim_cur)
+    return ", its limit of size (ulimit -f) is reached";
+  constexpr std::uintmax_t scarce = 1 << 16;
+  const auto space = std::filesystem::space(path, unknown);
+  if (!unknown && space.available < scarce) return ", no space is left on its disk";
+  return "";
+}
+
+/// Runs f, which writes in the file; a failure tells what it means.
+template <class F>
+void write_in(const std::filesystem::path& path, F f) {
+  try {
+    f();
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format(
+        "{} in {}{}; what was marked done is kept there, and the same command will continue it",
+        error.what(), path.string(), obstacle(path)));
+  }
+}
+
 }  // namespace
 
 std::filesystem::path partial_path(const std::filesystem::path& path) {
@@ -281,7 +312,8 @@ Archive::Archive(const std::filesystem::path& path, const std::vector<MapInfo>& 
   tile_tally_ = open_dataset(*file_, "tile_tally");
 }
 
-void Archive::write(const std::optional<Tile>& tile, std::span<const std::vector<double>> maps) {
+void Archive::write_maps(const std::optional<Tile>& tile,
+                         std::span<const std::vector<double>> maps) {
   for (std::size_t m = 0; m < maps_.size(); ++m) {
     const Map& map = maps_[m];
     const hdf5::Dataspace file(H5Dget_space(map.dataset), "write a map");
@@ -314,28 +346,38 @@ void Archive::write(const std::optional<Tile>& tile, std::span<const std::vector
   }
 }
 
-void Archive::mark_done(std::uint64_t first, std::span<const TallyRow> tallies) {
-  const bool root = mpi::rank(comm_) == 0;
-  if (root)
-    write_rows(*tile_tally_, first, tallies.size(), tally_columns.size(), H5T_NATIVE_DOUBLE,
-               tallies.data());
-  // Without this flush a killed run leaves tiles marked whose data never reached the disk.
-  flush();
-  const std::vector<unsigned char> done(tallies.size(), 1);
-  if (root) write_rows(*tile_done_, first, done.size(), 1, H5T_NATIVE_UCHAR, done.data());
-  flush();
+void Archive::write(const std::optional<Tile>& tile, std::span<const std::vector<double>> maps) {
+  write_in(partial_path(path_), [&] { write_maps(tile, maps); });
 }
 
-void Archive::write(const Attributes& attributes) { write_attributes(*file_, attributes); }
+void Archive::mark_done(std::uint64_t first, std::span<const TallyRow> tallies) {
+  write_in(partial_path(path_), [&] {
+    const bool root = mpi::rank(comm_) == 0;
+    if (root)
+      write_rows(*tile_tally_, first, tallies.size(), tally_columns.size(), H5T_NATIVE_DOUBLE,
+                 tallies.data());
+    // Without this flush a killed run leaves tiles marked whose data never reached the disk.
+    flush();
+    const std::vector<unsigned char> done(tallies.size(), 1);
+    if (root) write_rows(*tile_done_, first, done.size(), 1, H5T_NATIVE_UCHAR, done.data());
+    flush();
+  });
+}
 
-void Archive::flush() { check(H5Fflush(*file_, H5F_SCOPE_GLOBAL), "flush " + path_.string()); }
+void Archive::write(const Attributes& attributes) {
+  write_in(partial_path(path_), [&] { write_attributes(*file_, attributes); });
+}
+
+void Archive::flush() { check(H5Fflush(*file_, H5F_SCOPE_GLOBAL), "flush what was written"); }
 
 void Archive::close() {
-  flush();
-  tile_done_.reset();
-  tile_tally_.reset();
-  maps_.clear();
-  file_->close("close " + path_.string());
+  write_in(partial_path(path_), [&] {
+    flush();
+    tile_done_.reset();
+    tile_tally_.reset();
+    maps_.clear();
+    file_->close("close the file");
+  });
 }
 
 }  // namespace trebsweep

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string_view>
 
 namespace trebsweep::hdf5 {
 namespace {
@@ -32,6 +33,12 @@ void silence() {
 void fail(const std::string& what) {
   std::string reason;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, remember_cause, &reason);
+  // Where the system is the cause, its own words say all.
+  const std::string_view system = "error message = '";
+  if (const auto start = reason.find(system); start != reason.npos) {
+    reason.erase(0, start + system.size());
+    reason.erase(std::min(reason.find('\''), reason.size()));
+  }
   throw std::runtime_error("cannot " + what + (reason.empty() ? "" : ": " + reason));
 }
 

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <span>
+#include <thread>
 
 #include "trebsweep/assess.hpp"
 #include "trebsweep/command_line.hpp"
@@ -92,15 +95,25 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-/// Ends all ranks after a failure of one.
-[[noreturn]] void end_all_ranks() {
+/// Ends all ranks after a failure of one. Neither MPI nor HDF5 is finalized: after a failed write
+/// HDF5 1.10 crashes there.
+[[noreturn]] void end_all_ranks(const std::exception& error, const std::string& who) {
+  fmt::print(stderr, "trebsweep: {}{}\n", who, error.what());
+  MPI_Abort(MPI_COMM_WORLD, 1);
+  std::abort();
+}
+
+/// For failures that are not caught.
+[[noreturn]] void end_after_failure() {
+  const int rank = mpi::rank(MPI_COMM_WORLD);
+  // Most failures come to many ranks at once: who is told last is not told any more.
+  std::signal(SIGTERM, SIG_DFL);
+  if (rank > 0) std::this_thread::sleep_for(std::chrono::seconds(1));
   try {
     std::rethrow_exception(std::current_exception());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "trebsweep: rank {}: {}\n", mpi::rank(MPI_COMM_WORLD), error.what());
+    end_all_ranks(error, fmt::format("rank {}: ", rank));
   }
-  MPI_Abort(MPI_COMM_WORLD, 1);
-  std::abort();
 }
 
 }  // namespace
@@ -109,22 +122,20 @@ int main(int argc, char** argv) {
   const mpi::Environment environment(argc, argv);
   // Failures of one rank are not caught: unwinding would close the archive, which waits for all
   // ranks, while the others are elsewhere.
-  std::set_terminate(end_all_ranks);
+  std::set_terminate(end_after_failure);
   const int rank = mpi::rank(MPI_COMM_WORLD);
-  // Every rank comes to these with the same message; one tells it.
-  const auto tell = [&](const std::exception& error) {
-    if (rank == 0) fmt::print(stderr, "trebsweep: {}\n", error.what());
-  };
   try {
     const int code = run(argc, argv);
     if (std::fflush(stdout) == 0) return code;
     std::perror("trebsweep: cannot write to stdout");
     return 1;
   } catch (const InputError& error) {
-    tell(error);
+    // Every rank comes here with the same message; one tells it.
+    if (rank == 0) fmt::print(stderr, "trebsweep: {}\n", error.what());
     return 2;
   } catch (const mpi::RootError& error) {
-    tell(error);
+    if (rank == 0) end_all_ranks(error, "");
+    MPI_Barrier(MPI_COMM_WORLD);  // until rank 0 ends it
     return 1;
   }
 }

@@ -86,6 +86,7 @@ class Archive {
     MapType type;
   };
 
+  void write_maps(const std::optional<Tile>& tile, std::span<const std::vector<double>> maps);
   void flush();
 
   std::filesystem::path path_;
