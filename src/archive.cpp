@@ -24,7 +24,7 @@ hdf5::File open_file(const std::filesystem::path& path, MPI_Comm comm) {
   return {H5Fopen(path.c_str(), H5F_ACC_RDWR, access), what};
 }
 
-hdf5::Dataset open_dataset(const hdf5::File& file, const std::string& name) {
+hdf5::Dataset open_dataset(hid_t file, const std::string& name) {
   const std::string what = "open " + name;
   return {H5Dopen2(file, name.c_str(), H5P_DEFAULT), what};
 }
@@ -235,6 +235,49 @@ bool create_skeleton(const std::filesystem::path& path, const Lattice& lattice,
   return true;
 }
 
+/// The bytes of a chunk of fill values, as they are in a file.
+std::vector<unsigned char> fill_chunk(hid_t dataset, const MapInfo& info, const Index3& edge) {
+  const std::string what = "make an empty chunk";
+  const hdf5::Properties memory_only(H5Pcreate(H5P_FILE_ACCESS), what);
+  check(H5Pset_fapl_core(memory_only, 1 << 20, false), what);
+  const hdf5::File file(H5Fcreate("chunk", H5F_ACC_TRUNC, H5P_DEFAULT, memory_only), what);
+  const hdf5::Properties creation(H5Dget_create_plist(dataset), what);
+  const auto extent = sizes(edge);
+  const hdf5::Dataspace space(H5Screate_simple(3, extent.data(), nullptr), what);
+  const hdf5::Dataset chunk(
+      H5Dcreate2(file, "chunk", file_type(info.type), space, H5P_DEFAULT, creation, H5P_DEFAULT),
+      what);
+  const std::array<hsize_t, 3> first{0, 0, 0}, one{1, 1, 1};
+  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, one.data(), nullptr),
+        what);
+  const hdf5::Dataspace memory(H5Screate_simple(3, one.data(), nullptr), what);
+  check(H5Dwrite(chunk, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, &info.fill), what);
+  check(H5Fflush(file, H5F_SCOPE_LOCAL), what);
+  hsize_t size = 0;
+  check(H5Dget_chunk_storage_size(chunk, first.data(), &size), what);
+  std::vector<unsigned char> bytes(size);
+  std::uint32_t filters = 0;
+  check(H5Dread_chunk(chunk, H5P_DEFAULT, first.data(), &filters, bytes.data()), what);
+  return bytes;
+}
+
+/// Empties the compressed chunks at the upper ends of a map that are not done. HDF5 reads those
+/// before it writes them, as tiles do not fill them, and a machine that went down may have left
+/// anything there.
+void renew_edges(hid_t file, const MapInfo& info, const Tiling& tiling, std::uint64_t done) {
+  const hdf5::Dataset dataset = open_dataset(file, info.dataset);
+  const hdf5::Properties creation(H5Dget_create_plist(dataset), "read a map's form");
+  if (H5Pget_nfilters(creation) == 0) return;
+  const auto bytes = fill_chunk(dataset, info, tiling.edge());
+  for (std::uint64_t t = done; t < tiling.size(); ++t) {
+    const Tile tile = tiling.tile(t);
+    if (tile.count == tiling.edge()) continue;
+    const auto first = sizes(tile.first);
+    check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, first.data(), bytes.size(), bytes.data()),
+          "empty a chunk");
+  }
+}
+
 /// What keeps a file from growing, if that can be told.
 std::string obstacle(const std::filesystem::path& path) {
   rlimit limit{};
@@ -285,18 +328,24 @@ bool create_partial(const std::filesystem::path& path, const Lattice& lattice, c
   return whole;
 }
 
-void add_history(const std::filesystem::path& path, const std::string& line) {
+void continue_partial(const std::filesystem::path& path, const Tiling& tiling,
+                      const std::vector<MapInfo>& maps, std::uint64_t done,
+                      const std::string& history_line) {
   hdf5::silence();
   const auto partial = partial_path(path);
-  hdf5::File file(H5Fopen(partial.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open " + partial.string());
-  std::string history;
-  try {
-    history = hdf5::read_text_attribute(file, "history") + "\n";
-  } catch (const std::runtime_error&) {
-    // A run was killed while it was written: not worth the rest.
-  }
-  hdf5::write_attribute(file, "history", history + line);
-  file.close("write in " + partial.string());
+  write_in(partial, [&] {
+    hdf5::File file(H5Fopen(partial.c_str(), H5F_ACC_RDWR, H5P_DEFAULT),
+                    "open " + partial.string());
+    for (const MapInfo& map : maps) renew_edges(file, map, tiling, done);
+    std::string history;
+    try {
+      history = hdf5::read_text_attribute(file, "history") + "\n";
+    } catch (const std::runtime_error&) {
+      // A run was killed while it was written: not worth the rest.
+    }
+    hdf5::write_attribute(file, "history", history + history_line);
+    file.close("close the file");
+  });
 }
 
 void finish(const std::filesystem::path& path) {

@@ -302,7 +302,8 @@ Start begin(const Job& job, const Lattice& lattice, const SweepOptions& options,
       edge = place.begun->tile_edge;
       told[5] = place.begun->tiles_done;
       start.tally = place.begun->tally;
-      add_history(job.output.file, history);
+      continue_partial(job.output.file, Tiling(lattice, edge), map_infos(job.output),
+                       place.begun->tiles_done, history);
     } else if (!place.complete) {
       told[1] =
           !create_partial(job.output.file, lattice, Tiling(lattice, edge), map_infos(job.output),

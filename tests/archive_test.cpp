@@ -1,6 +1,8 @@
 #include "trebsweep/archive.hpp"
 
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 #include "archive_reader.hpp"
@@ -143,6 +145,47 @@ TEST_CASE("An archive that cannot be created is an error that says why") {
       contains("cannot create /nowhere/a.h5.partial") && contains("No such file"));
 }
 
+TEST_CASE("What a machine that went down left in chunks that are not done does no harm") {
+  const Lattice lattice = small_lattice();
+  const Tiling tiling(lattice, {4, 3, 5});
+  const TemporaryFile file("archive_garbage");
+  const auto maps = two_maps(MapType::float64);
+  { const Archive archive = make_archive(file.path(), lattice, tiling, maps, 4); }
+  if (mpi::rank(MPI_COMM_WORLD) == 0) {
+    std::fstream raw(partial_path(file.path()), std::ios::in | std::ios::out | std::ios::binary);
+    {
+      const hdf5::File opened(
+          H5Fopen(partial_path(file.path()).c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+      for (const MapInfo& info : maps) {
+        const hdf5::Dataset map(H5Dopen2(opened, info.dataset.c_str(), H5P_DEFAULT), "open");
+        const hdf5::Dataspace space(H5Dget_space(map), "find chunks");
+        for (hsize_t chunk = 0; chunk < tiling.size(); ++chunk) {
+          haddr_t address = 0;
+          hsize_t size = 0;
+          unsigned mask = 0;
+          std::array<hsize_t, 3> first;
+          hdf5::check(H5Dget_chunk_info(map, space, chunk, first.data(), &mask, &address, &size),
+                      "find");
+          raw.seekp(static_cast<std::streamoff>(address));
+          raw << std::string(size, 'x');
+        }
+      }
+    }
+    raw.close();
+    continue_partial(file.path(), tiling, maps, 0, "went on");
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  Archive archive(file.path(), maps, MPI_COMM_WORLD);
+  write_all(archive, lattice, tiling);
+  close(archive, file.path());
+  if (mpi::rank(MPI_COMM_WORLD) == 0) {
+    const auto numbers = read_map(file.path(), "number");
+    CHECK(numbers.front() == value_of({0, 0, 0}));
+    const Index3 n = lattice.extent();
+    CHECK(numbers[(n[0] - 1) * n[1] * n[2]] == value_of({n[0] - 1, 0, 0}));
+  }
+}
+
 TEST_CASE("Where it is told to stop, a partial file that is being made leaves nothing") {
   const TemporaryFile file("archive_stopped");
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
@@ -158,10 +201,11 @@ TEST_CASE("A history grows by a line for each run") {
   const TemporaryFile file("archive_history");
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
   const Lattice lattice = small_lattice();
-  create_partial(file.path(), lattice, Tiling(lattice, {4, 3, 5}), {}, 0,
-                 {{"history", std::string("began")}}, [] { return false; });
-  add_history(file.path(), "went on");
-  add_history(file.path(), std::string(5000, 'x'));
+  const Tiling tiling(lattice, {4, 3, 5});
+  create_partial(file.path(), lattice, tiling, {}, 0, {{"history", std::string("began")}},
+                 [] { return false; });
+  continue_partial(file.path(), tiling, {}, 0, "went on");
+  continue_partial(file.path(), tiling, {}, 0, std::string(5000, 'x'));
   finish(file.path());
   const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
   CHECK(hdf5::read_text_attribute(opened, "history") ==

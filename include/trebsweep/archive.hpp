@@ -52,8 +52,11 @@ bool create_partial(const std::filesystem::path& path, const Lattice& lattice, c
                     const std::vector<MapInfo>& maps, int compression, const Attributes& attributes,
                     const std::function<bool()>& stop);
 
-/// Adds a line to the history of the partial file, for another run. For one rank alone.
-void add_history(const std::filesystem::path& path, const std::string& line);
+/// Makes a partial file ready for another run, of which its history gets a line: the tiles from
+/// number `done` on are to be computed. For one rank alone. Throws std::runtime_error.
+void continue_partial(const std::filesystem::path& path, const Tiling& tiling,
+                      const std::vector<MapInfo>& maps, std::uint64_t done,
+                      const std::string& history_line);
 
 /// Gives the complete partial file its own name. For one rank alone.
 void finish(const std::filesystem::path& path);
