@@ -28,6 +28,7 @@ Usage:
                                      print one design's swing as a table
   trebsweep assess JOB [options]     measure errors, run times and stability of steppers -> tables
                                      (in parallel, like sweep)
+  trebsweep info FILE                what an archive, or an unfinished one, holds
   trebsweep COMMAND --help           the options of a command, with every key of a job file
   trebsweep --version
 
@@ -82,16 +83,26 @@ The tables are printed, and written into output.file, where xarray reads each as
 
 )";
 
+const char* const info_help =
+    R"(Usage: trebsweep info FILE
+
+Prints what an archive, or an unfinished one (FILE.partial), holds: its progress, what became of its
+designs, the optimum so far, where it comes from, and its job.
+
+)";
+
 po::options_description command_options(Command command) {
   po::options_description options("Options");
   auto add = options.add_options();
   add("help,h", "this text");
+  if (command == Command::info) return options;
   if (command != Command::trace) {
     add("overwrite", "replace the archive, or the unfinished one, that is there");
-    add("time-limit", po::value<std::string>()->value_name("TIME"),
-        "stop by itself, with exit code 75, after seconds or [[days-]hours:]minutes:seconds");
     add("progress", po::value<std::string>()->value_name("STYLE"),
         "on stderr: auto, bar, lines or none");
+    if (command == Command::sweep)
+      add("time-limit", po::value<std::string>()->value_name("TIME"),
+          "stop by itself, with exit code 75, after seconds or [[days-]hours:]minutes:seconds");
   } else {
     const auto metres = [] { return po::value<std::string>()->value_name("M"); };
     add("r1", metres(), "counterweight's arm, m");
@@ -119,16 +130,19 @@ po::options_description key_options() {
 std::string help_of(Command command) {
   const char* const help = command == Command::sweep    ? sweep_help
                            : command == Command::assess ? assess_help
+                           : command == Command::info   ? info_help
                                                         : trace_help;
   std::ostringstream text;
-  text << help << command_options(command) << "\n" << key_options();
+  text << help << command_options(command);
+  if (command != Command::info) text << "\n" << key_options();
   return text.str();
 }
 
 /// Parses what follows the command; texts only, so that every value is checked in one way.
 po::variables_map parse_options(Command command, int argc, const char* const* argv) {
   po::options_description options;
-  options.add(command_options(command)).add(key_options());
+  options.add(command_options(command));
+  if (command != Command::info) options.add(key_options());
   options.add_options()("job", po::value<std::vector<std::string>>());
   po::positional_options_description positions;
   positions.add("job", -1);
@@ -160,8 +174,9 @@ Command to_command(const std::string& name) {
   if (name == "sweep") return Command::sweep;
   if (name == "trace") return Command::trace;
   if (name == "assess") return Command::assess;
+  if (name == "info") return Command::info;
   throw InputError(
-      fmt::format("{}: unknown command; the commands are sweep, trace and assess", name));
+      fmt::format("{}: unknown command; the commands are sweep, trace, assess and info", name));
 }
 
 ProgressStyle to_progress(const std::string& value) {
@@ -189,11 +204,15 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     line.command = Command::help;
     return line;
   }
-  if (!given.count("job")) throw InputError("no job file given; try jobs/paper.cfg");
+  const bool info = line.command == Command::info;
+  if (!given.count("job"))
+    throw InputError(info ? "no archive given" : "no job file given; try jobs/paper.cfg");
   const auto& files = given["job"].as<std::vector<std::string>>();
   if (files.size() > 1)
-    throw InputError(fmt::format("{}: only one job file can be given", files[1]));
-  line.job_file = files[0];
+    throw InputError(
+        fmt::format("{}: only one {} can be given", files[1], info ? "archive" : "job file"));
+  (info ? line.archive : line.job_file) = files[0];
+  if (info) return line;
   for (const Key& key : job_keys())
     if (given.count(key.name)) line.overrides[key.name] = given[key.name].as<std::string>();
   if (given.count(scene_file)) line.overrides[scene_file] = given[scene_file].as<std::string>();

@@ -11,13 +11,11 @@
 namespace trebsweep {
 namespace {
 
-[[noreturn]] void damaged(const std::string& why) {
-  throw std::runtime_error("is damaged: " + why);
-}
+[[noreturn]] void damaged(const std::string& why) { throw std::runtime_error("damaged: " + why); }
 
 hdf5::File open_file(const std::filesystem::path& path) {
   hdf5::silence();
-  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open " + path.string()};
+  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open it"};
 }
 
 std::size_t read_edge(hid_t tile_done, const char* name, std::size_t extent) {
@@ -51,7 +49,7 @@ Contents read_contents(const std::filesystem::path& path) {
   const double format = hdf5::read_number_attribute(file, "format_version");
   if (format != archive_format)
     throw std::runtime_error(
-        fmt::format("has format_version {}, this program reads {}", format, archive_format));
+        fmt::format("format_version {}, while this program reads {}", format, archive_format));
   Contents contents;
   contents.job = hdf5::read_text_attribute(file, "job");
   contents.source = hdf5::read_text_attribute(file, "source");

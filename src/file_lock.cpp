@@ -21,11 +21,17 @@ int open_file(const std::filesystem::path& path) {
   return file;
 }
 
-/// Whether this process has the lock now. By fcntl, which also network file systems have.
-bool take(int file) {
+// By fcntl, which also network file systems have.
+struct flock whole_file() {
   struct flock whole {};
   whole.l_type = F_WRLCK;
   whole.l_whence = SEEK_SET;
+  return whole;
+}
+
+/// Whether this process has the lock now.
+bool take(int file) {
+  struct flock whole = whole_file();
   return fcntl(file, F_SETLK, &whole) == 0 || (errno != EACCES && errno != EAGAIN);
 }
 
@@ -40,7 +46,8 @@ bool is_named(int file, const std::filesystem::path& path) {
 std::string holder(int file) {
   std::array<char, 300> text{};
   const auto length = pread(file, text.data(), text.size(), 0);
-  return {text.data(), static_cast<std::size_t>(std::max<ssize_t>(length, 0))};
+  return length > 0 ? std::string(text.data(), static_cast<std::size_t>(length))
+                    : "another process";
 }
 
 void tell_holder(int file) {
@@ -71,6 +78,16 @@ FileLock::FileLock(const std::filesystem::path& path) : path_(path), file_(open_
 FileLock::~FileLock() {
   unlink(path_.c_str());  // before the lock goes: nobody else can have it under this name
   close(file_);
+}
+
+std::optional<std::string> lock_holder(const std::filesystem::path& path) {
+  const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
+  if (file < 0) return std::nullopt;
+  struct flock whole = whole_file();
+  const bool held = fcntl(file, F_GETLK, &whole) == 0 && whole.l_type != F_UNLCK;
+  const std::string who = holder(file);
+  close(file);
+  return held ? std::optional(who) : std::nullopt;
 }
 
 }  // namespace trebsweep

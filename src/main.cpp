@@ -7,11 +7,13 @@
 #include <cstdlib>
 #include <exception>
 #include <span>
+#include <string_view>
 #include <thread>
 
 #include "trebsweep/assess.hpp"
 #include "trebsweep/command_line.hpp"
 #include "trebsweep/error.hpp"
+#include "trebsweep/info.hpp"
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/stop_signals.hpp"
@@ -25,6 +27,12 @@ namespace {
 using namespace trebsweep;
 
 constexpr int stopped_before_the_end = 75;  // EX_TEMPFAIL: trying again helps
+
+void print_summary(const Summary& summary, const Job& job) {
+  const int ranks = mpi::size(MPI_COMM_WORLD);
+  fmt::print("{} on {} {}\narchive   {}\n", to_text(summary, job.output.contest), ranks,
+             ranks == 1 ? "rank" : "ranks", job.output.file);
+}
 
 /// Returns the exit code.
 int run_sweep(const CommandLine& line, const Job& job, const std::string& command) {
@@ -41,7 +49,7 @@ int run_sweep(const CommandLine& line, const Job& job, const std::string& comman
     fmt::print(stderr, "trebsweep: stopped with {} designs done; the same command continues{}\n",
                summary->designs(), line.overwrite ? ", without --overwrite" : "");
   else if (summary)
-    fmt::print("{}", to_text(*summary, job, mpi::size(MPI_COMM_WORLD)));
+    print_summary(*summary, job);
   else
     fmt::print(stderr, "{} holds the complete archive of this job; --overwrite computes it anew\n",
                job.output.file);
@@ -116,23 +124,47 @@ int run(int argc, char** argv) {
   }
 }
 
+/// Runs f, which returns the exit code; a failure that is the user's is told, if `tell`.
+template <class F>
+int exit_code(bool tell, F f) {
+  try {
+    const int code = f();
+    if (std::fflush(stdout) == 0) return code;
+    std::perror("trebsweep: cannot write to stdout");
+    return 1;
+  } catch (const InputError& error) {
+    if (tell) fmt::print(stderr, "trebsweep: {}\n", error.what());
+    return 2;
+  }
+}
+
+/// A command that needs no MPI: it works on a login node, too.
+int run_info(int argc, char** argv) {
+  const auto print = [&] {
+    const CommandLine line = parse_command_line(argc, argv);
+    fmt::print("{}", line.command == Command::help ? line.help : describe_archive(line.archive));
+    return 0;
+  };
+  try {
+    return exit_code(true, print);
+  } catch (const std::runtime_error& error) {
+    fmt::print(stderr, "trebsweep: {}\n", error.what());
+    return 1;
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && argv[1] == std::string_view("info")) return run_info(argc, argv);
   const mpi::Environment environment(argc, argv);
   // Failures of one rank are not caught: unwinding would close the archive, which waits for all
   // ranks, while the others are elsewhere.
   std::set_terminate(end_after_failure);
   const int rank = mpi::rank(MPI_COMM_WORLD);
   try {
-    const int code = run(argc, argv);
-    if (std::fflush(stdout) == 0) return code;
-    std::perror("trebsweep: cannot write to stdout");
-    return 1;
-  } catch (const InputError& error) {
-    // Every rank comes here with the same message; one tells it.
-    if (rank == 0) fmt::print(stderr, "trebsweep: {}\n", error.what());
-    return 2;
+    // Every rank comes to the same failure; one tells it.
+    return exit_code(rank == 0, [&] { return run(argc, argv); });
   } catch (const mpi::RootError& error) {
     if (rank == 0) end_all_ranks(error, "");
     MPI_Barrier(MPI_COMM_WORLD);  // until rank 0 ends it

@@ -48,7 +48,7 @@ Contents read_begun(const Job& job, const fs::path& partial) {
     begun = read_contents(partial);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(
-        fmt::format("{} {}; it cannot be continued: remove it, or start anew with --overwrite",
+        fmt::format("{}: {}; it cannot be continued: remove it, or start anew with --overwrite",
                     partial.string(), error.what()));
   }
   const auto refuse_version = [&](const std::string& what, std::string_view there,
@@ -69,9 +69,11 @@ Contents read_begun(const Job& job, const fs::path& partial) {
     refuse_version("on a machine with", begun.kernel, instruction_set());
   const Lattice lattice(job.scene, job.lattice);
   if (begun.axes != lattice.axes() || begun.tiles != Tiling(lattice, begun.tile_edge).size())
-    throw std::runtime_error(fmt::format(
-        "{} is damaged: its lattice is not its job's; remove it, or start anew with --overwrite",
-        partial.string()));
+    throw std::runtime_error(
+        fmt::format("{}: damaged: its lattice is not its job's; it cannot be continued: remove it, "
+                    "or start anew "
+                    "with --overwrite",
+                    partial.string()));
   return begun;
 }
 

@@ -60,7 +60,7 @@ TEST_CASE("Help of a command lists each of its keys") {
 
 TEST_CASE("Bad command lines are refused by what is wrong in them") {
   CHECK_THROWS_WITH(parse({}), contains("no command"));
-  CHECK_THROWS_WITH(parse({"swep"}), contains("swep") && contains("sweep, trace and assess"));
+  CHECK_THROWS_WITH(parse({"swep"}), contains("swep") && contains("sweep, trace, assess and info"));
   CHECK_THROWS_WITH(parse({"sweep"}), contains("no job file"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "b"}), contains("b"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "--overwrit"}), contains("--overwrit"));

@@ -67,8 +67,8 @@ class CommandTest(unittest.TestCase):
 
 class Help(CommandTest):
     def test_help_and_version_go_to_stdout(self):
-        for arguments in (["--help"], ["sweep", "--help"], ["trace", "--help"], ["assess", "--help"]):
-            self.assertIn("trebsweep", self.run_program(*arguments).stdout)
+        for command in ([], ["sweep"], ["trace"], ["assess"], ["info"]):
+            self.assertIn("trebsweep", self.run_program(*command, "--help").stdout)
         self.assertRegex(self.run_program("--version").stdout,
                          r"^trebsweep \d+\.\d+\.\d+ \(.+\)\nkernel: .+ \(\d lanes\)\n$")
 
@@ -120,7 +120,7 @@ class BadInput(CommandTest):
         self.assert_refused(["sweep", job], "scene.gravitiy", "counterweight-mass")
         self.assert_refused(["sweep", self.job, "--scene.gravitiy", "9.8"], "scene.gravitiy")
         self.assert_refused(["sweep", self.job, "--overwrit"], "--overwrit")
-        self.assert_refused(["swep", self.job], "swep", "sweep, trace and assess")
+        self.assert_refused(["swep", self.job], "swep", "sweep, trace, assess and info")
 
     def test_job_files_that_are_none(self):
         self.assert_refused(["sweep", "missing.cfg"], "missing.cfg", "No such file")

@@ -138,7 +138,7 @@ TEST_CASE("Where nothing is released there is no optimum") {
   const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
   REQUIRE(summary);
   CHECK_FALSE(summary->optimum);
-  CHECK_THAT(to_text(*summary, job, 1), contains("optimum   none"));
+  CHECK_THAT(to_text(*summary, job.output.contest), contains("optimum   none"));
 }
 
 TEST_CASE("Only the maps asked for are stored") {

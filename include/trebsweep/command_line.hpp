@@ -9,13 +9,14 @@
 
 namespace trebsweep {
 
-enum class Command { help, version, sweep, trace, assess };
+enum class Command { help, version, sweep, trace, assess, info };
 
 /// What the user asked for.
 struct CommandLine {
   Command command = Command::help;
   std::string help;  ///< text to print, for Command::help
   std::string job_file;
+  std::string archive;  ///< for Command::info
   Overrides overrides;
   bool overwrite = false;
   ProgressStyle progress = ProgressStyle::automatic;

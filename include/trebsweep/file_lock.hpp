@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 namespace trebsweep {
 
@@ -20,5 +22,8 @@ class FileLock {
   std::filesystem::path path_;
   int file_;
 };
+
+/// Who has the lock, if another process has; its own is not told.
+std::optional<std::string> lock_holder(const std::filesystem::path& path);
 
 }  // namespace trebsweep

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "trebsweep/job.hpp"
 #include "trebsweep/lattice.hpp"
@@ -77,10 +78,13 @@ TallyRow to_row(const Tally& tally);
 /// Throws std::runtime_error where the row is none.
 Tally to_tally(const TallyRow& row);
 
+/// What a tally of designs of a lattice with those axes (r1, r3, r2) says.
+Summary to_summary(const Tally& tally, const std::array<std::vector<double>, 3>& axes);
+
 /// The sum of what all ranks have seen, on all ranks; collective.
 Summary combine(const Tally& tally, const Lattice& lattice, MPI_Comm comm);
 
-/// The summary as text for people.
-std::string to_text(const Summary& summary, const Job& job, int ranks);
+/// The summary as text for people: lines, the last one open to be gone on with.
+std::string to_text(const Summary& summary, Contest contest);
 
 }  // namespace trebsweep
