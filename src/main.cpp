@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -114,9 +115,9 @@ int run(int argc, char** argv) {
 /// For failures that are not caught.
 [[noreturn]] void end_after_failure() {
   const int rank = mpi::rank(MPI_COMM_WORLD);
-  // Most failures come to many ranks at once: who is told last is not told any more.
+  // Most failures come to many ranks at once: they wait in turn, and the first one ends the others.
   std::signal(SIGTERM, SIG_DFL);
-  if (rank > 0) std::this_thread::sleep_for(std::chrono::seconds(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500) * std::min(rank, 6));
   try {
     std::rethrow_exception(std::current_exception());
   } catch (const std::exception& error) {
