@@ -14,6 +14,7 @@
 
 #include "trebsweep/archive.hpp"
 #include "trebsweep/integrate.hpp"
+#include "trebsweep/kernel.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/output.hpp"
 #include "trebsweep/version.hpp"
