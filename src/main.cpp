@@ -95,8 +95,7 @@ int run(int argc, char** argv) {
     if (root) fmt::print(stderr, "tolerance {:.2g}\n", job.solver.tolerance);
   }
   const std::string command = fmt::format("{}", fmt::join(std::span(argv, argv + argc), " "));
-  if (line.command == Command::sweep)
-    return run_sweep(line, job, command);
+  if (line.command == Command::sweep) return run_sweep(line, job, command);
   if (line.command == Command::assess)
     run_assess(line, job, command);
   else if (root)

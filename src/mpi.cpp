@@ -29,10 +29,6 @@ std::string broadcast(std::string text, MPI_Comm comm) {
   return text;
 }
 
-void broadcast(std::span<std::uint64_t> values, MPI_Comm comm) {
-  MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_UINT64_T, 0, comm);
-}
-
 double max(double value, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm);
   return value;

@@ -286,40 +286,22 @@ struct Start {
   bool stopped = false;    ///< told to stop before the partial file was made
   Index3 edge{};           ///< of the tiles
   std::uint64_t done = 0;  ///< tiles that earlier runs have done
-  // On rank 0 alone:
-  Tally tally;  ///< theirs
-  std::unique_ptr<FileLock> lock;
 };
 
-/// Finds or makes the partial file; collective.
-Start begin(const Job& job, const Lattice& lattice, const SweepOptions& options, MPI_Comm comm) {
-  Start start;
-  std::array<std::uint64_t, 6> told{};  // what every rank needs to know
-  mpi::on_root(comm, [&] {
-    Place place = prepare_output(job, options.overwrite);
-    const std::string history = history_line(options, static_cast<std::uint64_t>(mpi::size(comm)));
-    Index3 edge = tile_edge(options, lattice);
-    if (place.begun) {
-      edge = place.begun->tile_edge;
-      told[5] = place.begun->tiles_done;
-      start.tally = place.begun->tally;
-      continue_partial(job.output.file, Tiling(lattice, edge), map_infos(job.output),
-                       place.begun->tiles_done, history);
-    } else if (!place.complete) {
-      told[1] =
-          !create_partial(job.output.file, lattice, Tiling(lattice, edge), map_infos(job.output),
-                          job.output.compression, attributes(job, history), options.stop);
-    }
-    told[0] = place.complete;
-    std::copy(edge.begin(), edge.end(), told.begin() + 2);
-    start.lock = std::move(place.lock);
-    return std::string();
-  });
-  mpi::broadcast(told, comm);
-  start.complete = told[0];
-  start.stopped = told[1];
-  start.edge = {told[2], told[3], told[4]};
-  start.done = told[5];
+/// Finds or makes the partial file, as rank 0 alone does; `tally` becomes that of what is done.
+Start find_or_make(const Job& job, const Lattice& lattice, const SweepOptions& options,
+                   const Place& place, const std::string& history, Tally& tally) {
+  Start start{.complete = place.complete, .edge = tile_edge(options, lattice)};
+  const auto maps = map_infos(job.output);
+  if (place.begun) {
+    start.edge = place.begun->tile_edge;
+    start.done = place.begun->tiles_done;
+    tally = place.begun->tally;
+    continue_partial(job.output.file, Tiling(lattice, start.edge), maps, start.done, history);
+  } else if (!place.complete) {
+    start.stopped = !create_partial(job.output.file, lattice, Tiling(lattice, start.edge), maps,
+                                    job.output.compression, attributes(job, history), options.stop);
+  }
   return start;
 }
 
@@ -328,7 +310,18 @@ Start begin(const Job& job, const Lattice& lattice, const SweepOptions& options,
 std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Comm comm) {
   const double start_time = MPI_Wtime();
   const Lattice lattice(job.scene, job.lattice);
-  const Start start = begin(job, lattice, options, comm);
+  const auto rank = static_cast<std::uint64_t>(mpi::rank(comm));
+  const auto ranks = static_cast<std::uint64_t>(mpi::size(comm));
+  // On rank 0 alone: the place with its lock, and what earlier runs have come to.
+  Place place;
+  Tally tally;
+  Start start;
+  mpi::on_root(comm, [&] {
+    place = prepare_output(job, options.overwrite);
+    start = find_or_make(job, lattice, options, place, history_line(options, ranks), tally);
+    return std::string();
+  });
+  start = mpi::from_root(start, comm);
   if (start.complete) return std::nullopt;
   if (start.stopped) {
     Summary summary;
@@ -337,11 +330,8 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   }
 
   const Tiling tiling(lattice, start.edge);
-  const auto rank = static_cast<std::uint64_t>(mpi::rank(comm));
-  const auto ranks = static_cast<std::uint64_t>(mpi::size(comm));
   Archive archive(job.output.file, map_infos(job.output), comm);
 
-  Tally tally = start.tally;
   std::uint64_t designs_done = tally.designs();  // right on rank 0, which tells it
   Progress progress(designs_done, lattice.designs(),
                     rank == 0 ? options.progress : ProgressStyle::none);

@@ -11,10 +11,9 @@ TEST_CASE("A text of rank 0 reaches every rank") {
   CHECK(mpi::broadcast("", MPI_COMM_WORLD).empty());
 }
 
-TEST_CASE("Numbers of rank 0 reach every rank") {
-  std::array<std::uint64_t, 2> values{static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD)), 5};
-  mpi::broadcast(values, MPI_COMM_WORLD);
-  CHECK(values == std::array<std::uint64_t, 2>{0, 5});
+TEST_CASE("A value of rank 0 reaches every rank") {
+  const std::array<double, 2> value{0.5 * mpi::rank(MPI_COMM_WORLD), 5};
+  CHECK(mpi::from_root(value, MPI_COMM_WORLD) == std::array<double, 2>{0, 5});
 }
 
 TEST_CASE("Reductions are over all ranks, with the result on all") {

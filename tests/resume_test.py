@@ -1,7 +1,7 @@
 """Interrupted sweeps: kills, signals, limits and faults, and how the same command goes on after them.
 
 Needs TREBSWEEP (the program) and MPIEXEC in the environment. TREBSWEEP_KILLS says how many times the
-sweeps are killed in each way (default 3), TREBSWEEP_SEED when.
+sweeps are killed in each way (default 2), TREBSWEEP_SEED when.
 """
 
 import os
@@ -19,11 +19,11 @@ import numpy as np
 
 PROGRAM = os.environ["TREBSWEEP"]
 MPIEXEC = os.environ["MPIEXEC"]
-KILLS = int(os.environ.get("TREBSWEEP_KILLS", "3"))
+KILLS = int(os.environ.get("TREBSWEEP_KILLS", "2"))
 SEED = int(os.environ.get("TREBSWEEP_SEED", "1"))
 MAPS = ("speed", "release_time", "status", "r1", "r3", "r2", "tile_done")
 SUMMARY = ("best_speed", "best_r1", "best_r3", "best_r2", "best_release_time", "designs", "steps")
-JOB = "[lattice]\nincrement = 0.009\n[solver]\nstepper = fehlberg78\ntolerance = 1e-11\n"
+JOB = "[solver]\nstepper = fehlberg78\ntolerance = 1e-11\n"
 COMPRESSED = ("--output.compression", "1")
 
 

@@ -31,8 +31,13 @@ int size(MPI_Comm comm);
 /// Rank 0's text, on every rank.
 std::string broadcast(std::string text, MPI_Comm comm);
 
-/// Rank 0's values, on every rank.
-void broadcast(std::span<std::uint64_t> values, MPI_Comm comm);
+/// Rank 0's value, on every rank.
+template <class Value>
+Value from_root(Value value, MPI_Comm comm) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  MPI_Bcast(&value, sizeof value, MPI_BYTE, 0, comm);
+  return value;
+}
 
 double max(double value, MPI_Comm comm);
 std::uint64_t min(std::uint64_t value, MPI_Comm comm);
