@@ -156,6 +156,9 @@ int run_info(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // HDF5's own locks would let somebody who looks at an unfinished archive keep its sweep from
+  // going on, and have hung on network file systems; sweeps keep each other out by a FileLock.
+  setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
   if (argc > 1 && argv[1] == std::string_view("info")) return run_info(argc, argv);
   const mpi::Environment environment(argc, argv);
   // Failures of one rank are not caught: unwinding would close the archive, which waits for all
