@@ -47,7 +47,7 @@ maps of what each one does into one HDF5 archive (see output.file). While it wor
 in .partial.
 
 An interrupted sweep is continued by the same command, on any number of ranks; nothing that was done is
-lost, even by a kill, but for the last second or so. SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and --time-limit stop
+lost, even by a kill, but for the last few seconds. SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and --time-limit stop
 it in good order, with exit code 75.
 
 )";

@@ -273,11 +273,11 @@ Index3 tile_edge(const SweepOptions& options, const Lattice& lattice) {
   return edge;
 }
 
-/// How many tiles a rank computes before it writes: rounds of about a second, within 64 MiB of
+/// How many tiles a rank computes before it writes: rounds of about two seconds, within 64 MiB of
 /// maps.
 std::uint64_t next_batch(std::uint64_t batch, double round_seconds, std::size_t bytes_per_tile) {
   const std::uint64_t most = std::max<std::uint64_t>(1, (std::uint64_t{64} << 20) / bytes_per_tile);
-  return std::min(paced(batch, round_seconds, 1.0), most);
+  return std::min(paced(batch, round_seconds, 2.0), most);
 }
 
 /// Where a sweep stands before its first round.
