@@ -34,13 +34,14 @@ std::string describe_archive(const fs::path& given) {
   if (!fs::exists(path, unknown))
     throw InputError(fmt::format("{}: no such file; give the path of an archive", path.string()));
   Contents contents;
+  Job job;
   try {
     contents = read_contents(path);
+    job = parse_job(contents.job, path, {});
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: {}; no archive of this version, or a damaged one",
                                          path.string(), error.what()));
   }
-  const Job job = parse_job(contents.job, path, {});
   const bool partial = path.extension() == ".partial";
   std::string text =
       fmt::format("archive   {}, {}\n", path.string(), partial ? activity(path) : "complete");

@@ -43,14 +43,16 @@ bool fuses(std::string_view kernel) { return !kernel.starts_with("baseline"); }
 /// Reads the partial file of the job. Throws InputError where it is that of another one, and
 /// std::runtime_error where this program cannot continue it.
 Contents read_begun(const Job& job, const fs::path& partial) {
-  Contents begun;
-  try {
-    begun = read_contents(partial);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(
-        fmt::format("{}: {}; it cannot be continued: remove it, or start anew with --overwrite",
-                    partial.string(), error.what()));
-  }
+  const auto readable = [&](const auto& f) {
+    try {
+      return f();
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(
+          fmt::format("{}: {}; it cannot be continued: remove it, or start anew with --overwrite",
+                      partial.string(), error.what()));
+    }
+  };
+  const Contents begun = readable([&] { return read_contents(partial); });
   const auto refuse_version = [&](const std::string& what, std::string_view there,
                                   std::string_view here) {
     throw std::runtime_error(
@@ -59,7 +61,8 @@ Contents read_begun(const Job& job, const fs::path& partial) {
                     partial.string(), what, there, here));
   };
   if (begun.source != version_text()) refuse_version("by", begun.source, version_text());
-  const auto differ = differences(job, parse_job(begun.job, partial, {}));
+  const Job begun_job = readable([&] { return parse_job(begun.job, partial, {}); });
+  const auto differ = differences(job, begun_job);
   if (!differ.empty())
     throw InputError(
         fmt::format("output.file = {}: {} holds an unfinished sweep of another job ({}); name "
