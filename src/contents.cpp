@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "trebsweep/archive.hpp"
+#include "trebsweep/child.hpp"
 #include "trebsweep/hdf5.hpp"
 
 namespace trebsweep {
@@ -42,9 +43,7 @@ Tally read_tally(hid_t file, std::uint64_t tiles, std::uint64_t done, std::uint6
   return sum;
 }
 
-}  // namespace
-
-Contents read_contents(const std::filesystem::path& path) {
+Contents read(const std::filesystem::path& path) {
   const hdf5::File file = open_file(path);
   const double format = hdf5::read_number_attribute(file, "format_version");
   if (format != archive_format)
@@ -77,9 +76,22 @@ Contents read_contents(const std::filesystem::path& path) {
   return contents;
 }
 
+/// Calls f in a child first: HDF5 crashes on some damaged files, and hangs on others.
+template <class F>
+auto try_first(F f) {
+  if (!survives([&] { f(); }, 30)) damaged("HDF5 fails on it");
+  return f();
+}
+
+}  // namespace
+
+Contents read_contents(const std::filesystem::path& path) {
+  return try_first([&] { return read(path); });
+}
+
 std::optional<std::string> archived_job(const std::filesystem::path& path) {
   try {
-    return hdf5::read_text_attribute(open_file(path), "job");
+    return try_first([&] { return hdf5::read_text_attribute(open_file(path), "job"); });
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }
