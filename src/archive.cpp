@@ -110,21 +110,54 @@ hdf5::Dataset create_axis(hid_t file, const std::string& name, const std::string
   return axis;
 }
 
-/// Allocates the chunks of a map that hold designs, and no others, by writing a cell of each.
-/// Chunks first allocated in parallel make HDF5 1.10 hang, if filtered, and else are all allocated.
+/// Writes a cell of the tiles [first, end) of a map, which allocates their chunks, and no others:
+/// chunks first allocated in parallel make HDF5 1.10 hang, if filtered, and else are all allocated.
 /// Returns false where `stop` asked for it.
-bool allocate(hid_t dataset, hid_t space, double fill, const Tiling& tiling,
-              const std::function<bool()>& stop) {
+bool touch(hid_t dataset, double value, const Tiling& tiling, std::uint64_t first,
+           std::uint64_t end, const std::function<bool()>& stop) {
   const std::string what = "allocate a map";
   const std::array<hsize_t, 3> one{1, 1, 1};
   const hdf5::Dataspace memory(H5Screate_simple(3, one.data(), nullptr), what);
-  for (std::uint64_t t = 0; t < tiling.size(); ++t) {
+  const hdf5::Dataspace space(H5Dget_space(dataset), what);
+  for (std::uint64_t t = first; t < end; ++t) {
     if (stop()) return false;
-    const auto first = sizes(tiling.tile(t).first);
-    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, one.data(), nullptr),
+    const auto place = sizes(tiling.tile(t).first);
+    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, place.data(), nullptr, one.data(), nullptr),
           what);
-    check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, &fill), what);
+    check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, &value), what);
   }
+  return true;
+}
+
+/// Allocates the chunks of a compressed map as copies of the first one's: compressed but once.
+bool allocate_compressed(hid_t dataset, const Tiling& tiling, const std::function<bool()>& stop) {
+  const std::string what = "allocate a compressed map";
+  check(H5Dflush(dataset), what);
+  hsize_t size = 0;
+  auto place = sizes(tiling.tile(0).first);
+  check(H5Dget_chunk_storage_size(dataset, place.data(), &size), what);
+  std::vector<unsigned char> chunk(size);
+  std::uint32_t skipped_filters = 0;
+  check(H5Dread_chunk(dataset, H5P_DEFAULT, place.data(), &skipped_filters, chunk.data()), what);
+  for (std::uint64_t t = 1; t < tiling.size(); ++t) {
+    if (stop()) return false;
+    place = sizes(tiling.tile(t).first);
+    check(H5Dwrite_chunk(dataset, H5P_DEFAULT, skipped_filters, place.data(), size, chunk.data()),
+          what);
+  }
+  return true;
+}
+
+/// Allocates the chunks of maps that are not compressed, of which each has its first one already.
+/// Through MPI, with which HDF5 does not fill a chunk first: one rank would else write the whole
+/// archive once, while the others wait.
+bool allocate_plain(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
+                    const Tiling& tiling, const std::function<bool()>& stop) {
+  hdf5::File file = open_file(path, MPI_COMM_SELF);
+  for (const MapInfo& map : maps)
+    if (!touch(open_dataset(file, map.dataset), map.fill, tiling, 1, tiling.size(), stop))
+      return false;
+  file.close("close " + path.string());
   return true;
 }
 
@@ -157,7 +190,8 @@ bool create_map(hid_t file, const std::vector<hdf5::Dataset>& axes, const MapInf
     write_fill_attribute(dataset, info.type, info.fill);
   else
     write_flags(dataset, info.flag_meanings);
-  return allocate(dataset, space, info.fill, tiling, stop);
+  return touch(dataset, info.fill, tiling, 0, 1, stop) &&
+         (compression == 0 || allocate_compressed(dataset, tiling, stop));
 }
 
 /// The dimensions of what is kept for each tile, in netCDF's own form of such without coordinates.
@@ -232,7 +266,7 @@ bool create_skeleton(const std::filesystem::path& path, const Lattice& lattice,
   axes.clear();
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), what);
   file.close(what);
-  return true;
+  return compression > 0 || allocate_plain(path, maps, tiling, stop);
 }
 
 /// The bytes of a chunk of fill values, as they are in a file.
