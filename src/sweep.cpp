@@ -268,7 +268,7 @@ Index3 tile_edge(const SweepOptions& options, const Lattice& lattice) {
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t wanted = options.tile_edge.value_or(Index3{})[d];
     edge[d] =
-        std::min(edge[d], wanted > 0 ? wanted : std::clamp<std::size_t>((edge[d] + 4) / 5, 16, 64));
+        std::min(edge[d], wanted > 0 ? wanted : std::clamp<std::size_t>((edge[d] + 4) / 5, 16, 48));
   }
   return edge;
 }

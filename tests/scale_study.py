@@ -75,7 +75,7 @@ def tile_sizes(per_metre):
     r1 = per_metre - 1                       # 0.5 < r1 < 1.5
     rows = [int(1.2 * per_metre) - 1 - i for i in range(int(1.2 * per_metre))]  # r2 < 1.5 - r3
     extents = (r1, len(rows), rows[0])
-    edge = [min(n, max(16, min((n + 4) // 5, 64))) for n in extents]
+    edge = [min(n, max(16, min((n + 4) // 5, 48))) for n in extents]
     plane = []
     for first in range(0, extents[1], edge[1]):
         for low in range(0, extents[2], edge[2]):
