@@ -16,7 +16,14 @@ PROGRAM = os.environ["TREBSWEEP"]
 REPOSITORY = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 MPIEXEC = os.environ["MPIEXEC"]
 JOBS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "jobs")
+KERNELS = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
 COARSE = ("--lattice.increment", "0.1")
+
+
+def wide_kernels():
+    """Whether there are kernels for AVX2 and AVX-512, and a machine for both."""
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        return "avx512dq" in file.read() and os.path.isdir(KERNELS)
 
 
 class CommandTest(unittest.TestCase):
@@ -155,24 +162,22 @@ class Sweep(CommandTest):
         self.assertEqual(sorted(os.listdir(self.folder)), ["job.cfg", "job.h5"])
 
     def test_maps_are_bitwise_the_same_on_any_number_of_ranks(self):
-        for ranks in (1, 2, 3, 5):
+        for ranks in (1, 2, 3, 5, 16):
             self.run_program("sweep", self.job, *COARSE, "--output.file", f"{ranks}.h5", ranks=ranks)
         with h5py.File(self.path("1.h5")) as alone:
-            for ranks in (2, 3, 5):
+            for ranks in (2, 3, 5, 16):
                 with h5py.File(self.path(f"{ranks}.h5")) as other:
                     for field in ("speed", "release_time", "status"):
                         self.assertEqual(alone[field][...].tobytes(), other[field][...].tobytes())
                     self.assertEqual(alone.attrs["best_speed"], other.attrs["best_speed"])
 
     def test_maps_are_bitwise_the_same_with_avx2_and_avx512(self):
-        kernels = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            if "avx512dq" not in file.read():
-                self.skipTest("this machine lacks AVX-512")
+        if not wide_kernels():
+            self.skipTest("this machine, or this build, lacks AVX-512")
         for stepper in ("euler", "rk4", "cash_karp54", "dopri5", "fehlberg78"):
             maps = []
             for level, name in (("x86-64-v3", "AVX2"), ("x86-64-v4", "AVX-512")):
-                environment = {"LD_LIBRARY_PATH": os.path.join(kernels, level)}
+                environment = {"LD_LIBRARY_PATH": os.path.join(KERNELS, level)}
                 self.assertIn(name, self.run_program("--version", environment=environment).stdout)
                 self.run_program("sweep", self.job, *COARSE, "--solver.stepper", stepper,
                                  "--output.file", "map.h5", "--overwrite", environment=environment)
@@ -182,9 +187,7 @@ class Sweep(CommandTest):
             self.assertEqual(maps[0], maps[1])
 
     def test_effects_and_fields_are_bitwise_the_same_with_avx2_and_avx512_and_on_ranks(self):
-        kernels = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            levels = ["x86-64-v3", "x86-64-v4"] if "avx512dq" in file.read() else [""]
+        levels = ["x86-64-v3", "x86-64-v4"] if wide_kernels() else [""]
         fields = ["speed", "status", "slack", "range", "energy-drift", "peak-sling-tension",
                   "peak-beam-stress", "efficiency", "steps"]
         for scene in ("friction", "heavy_sling", "elastic_sling"):
@@ -196,7 +199,7 @@ class Sweep(CommandTest):
                         "--scene.file", os.path.join(REPOSITORY, "jobs", "scenes", f"{scene}.cfg"),
                         "--output.fields", ", ".join(fields), "--output.file", "map.h5",
                         "--overwrite", ranks=ranks,
-                        environment={"LD_LIBRARY_PATH": os.path.join(kernels, level)})
+                        environment={"LD_LIBRARY_PATH": os.path.join(KERNELS, level)})
                     with h5py.File(self.path("map.h5")) as archive:
                         maps.append([archive[field.replace("-", "_")][...].tobytes()
                                      for field in fields])
