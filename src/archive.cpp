@@ -129,21 +129,45 @@ bool touch(hid_t dataset, double value, const Tiling& tiling, std::uint64_t firs
   return true;
 }
 
-/// Allocates the chunks of a compressed map as copies of the first one's: compressed but once.
-bool allocate_compressed(hid_t dataset, const Tiling& tiling, const std::function<bool()>& stop) {
-  const std::string what = "allocate a compressed map";
-  check(H5Dflush(dataset), what);
+/// The bytes of a chunk of fill values, as they are in a file.
+std::vector<unsigned char> fill_chunk(hid_t dataset, const MapInfo& info, const Index3& edge) {
+  const std::string what = "make an empty chunk";
+  const hdf5::Properties memory_only(H5Pcreate(H5P_FILE_ACCESS), what);
+  check(H5Pset_fapl_core(memory_only, 1 << 20, false), what);
+  const hdf5::File file(H5Fcreate("chunk", H5F_ACC_TRUNC, H5P_DEFAULT, memory_only), what);
+  const hdf5::Properties creation(H5Dget_create_plist(dataset), what);
+  const auto extent = sizes(edge);
+  const hdf5::Dataspace space(H5Screate_simple(3, extent.data(), nullptr), what);
+  const hdf5::Dataset chunk(
+      H5Dcreate2(file, "chunk", file_type(info.type), space, H5P_DEFAULT, creation, H5P_DEFAULT),
+      what);
+  const std::array<hsize_t, 3> first{0, 0, 0}, one{1, 1, 1};
+  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, one.data(), nullptr),
+        what);
+  const hdf5::Dataspace memory(H5Screate_simple(3, one.data(), nullptr), what);
+  check(H5Dwrite(chunk, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, &info.fill), what);
+  check(H5Fflush(file, H5F_SCOPE_LOCAL), what);
   hsize_t size = 0;
-  auto place = sizes(tiling.tile(0).first);
-  check(H5Dget_chunk_storage_size(dataset, place.data(), &size), what);
-  std::vector<unsigned char> chunk(size);
-  std::uint32_t skipped_filters = 0;
-  check(H5Dread_chunk(dataset, H5P_DEFAULT, place.data(), &skipped_filters, chunk.data()), what);
-  for (std::uint64_t t = 1; t < tiling.size(); ++t) {
+  check(H5Dget_chunk_storage_size(chunk, first.data(), &size), what);
+  std::vector<unsigned char> bytes(size);
+  std::uint32_t filters = 0;
+  check(H5Dread_chunk(chunk, H5P_DEFAULT, first.data(), &filters, bytes.data()), what);
+  return bytes;
+}
+
+void write_chunk(hid_t dataset, const Tile& tile, const std::vector<unsigned char>& bytes) {
+  const auto first = sizes(tile.first);
+  check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, first.data(), bytes.size(), bytes.data()),
+        "empty a chunk");
+}
+
+/// Allocates the chunks of a compressed map that hold designs; empty ones, compressed but once.
+bool allocate_compressed(hid_t dataset, const MapInfo& info, const Tiling& tiling,
+                         const std::function<bool()>& stop) {
+  const auto bytes = fill_chunk(dataset, info, tiling.edge());
+  for (std::uint64_t t = 0; t < tiling.size(); ++t) {
     if (stop()) return false;
-    place = sizes(tiling.tile(t).first);
-    check(H5Dwrite_chunk(dataset, H5P_DEFAULT, skipped_filters, place.data(), size, chunk.data()),
-          what);
+    write_chunk(dataset, tiling.tile(t), bytes);
   }
   return true;
 }
@@ -190,8 +214,8 @@ bool create_map(hid_t file, const std::vector<hdf5::Dataset>& axes, const MapInf
     write_fill_attribute(dataset, info.type, info.fill);
   else
     write_flags(dataset, info.flag_meanings);
-  return touch(dataset, info.fill, tiling, 0, 1, stop) &&
-         (compression == 0 || allocate_compressed(dataset, tiling, stop));
+  return compression > 0 ? allocate_compressed(dataset, info, tiling, stop)
+                         : touch(dataset, info.fill, tiling, 0, 1, stop);
 }
 
 /// The dimensions of what is kept for each tile, in netCDF's own form of such without coordinates.
@@ -269,32 +293,6 @@ bool create_skeleton(const std::filesystem::path& path, const Lattice& lattice,
   return compression > 0 || allocate_plain(path, maps, tiling, stop);
 }
 
-/// The bytes of a chunk of fill values, as they are in a file.
-std::vector<unsigned char> fill_chunk(hid_t dataset, const MapInfo& info, const Index3& edge) {
-  const std::string what = "make an empty chunk";
-  const hdf5::Properties memory_only(H5Pcreate(H5P_FILE_ACCESS), what);
-  check(H5Pset_fapl_core(memory_only, 1 << 20, false), what);
-  const hdf5::File file(H5Fcreate("chunk", H5F_ACC_TRUNC, H5P_DEFAULT, memory_only), what);
-  const hdf5::Properties creation(H5Dget_create_plist(dataset), what);
-  const auto extent = sizes(edge);
-  const hdf5::Dataspace space(H5Screate_simple(3, extent.data(), nullptr), what);
-  const hdf5::Dataset chunk(
-      H5Dcreate2(file, "chunk", file_type(info.type), space, H5P_DEFAULT, creation, H5P_DEFAULT),
-      what);
-  const std::array<hsize_t, 3> first{0, 0, 0}, one{1, 1, 1};
-  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, one.data(), nullptr),
-        what);
-  const hdf5::Dataspace memory(H5Screate_simple(3, one.data(), nullptr), what);
-  check(H5Dwrite(chunk, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, &info.fill), what);
-  check(H5Fflush(file, H5F_SCOPE_LOCAL), what);
-  hsize_t size = 0;
-  check(H5Dget_chunk_storage_size(chunk, first.data(), &size), what);
-  std::vector<unsigned char> bytes(size);
-  std::uint32_t filters = 0;
-  check(H5Dread_chunk(chunk, H5P_DEFAULT, first.data(), &filters, bytes.data()), what);
-  return bytes;
-}
-
 /// Empties the compressed chunks at the upper ends of a map that are not done. HDF5 reads those
 /// before it writes them, as tiles do not fill them, and a machine that went down may have left
 /// anything there.
@@ -305,10 +303,7 @@ void renew_edges(hid_t file, const MapInfo& info, const Tiling& tiling, std::uin
   const auto bytes = fill_chunk(dataset, info, tiling.edge());
   for (std::uint64_t t = done; t < tiling.size(); ++t) {
     const Tile tile = tiling.tile(t);
-    if (tile.count == tiling.edge()) continue;
-    const auto first = sizes(tile.first);
-    check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, first.data(), bytes.size(), bytes.data()),
-          "empty a chunk");
+    if (tile.count != tiling.edge()) write_chunk(dataset, tile, bytes);
   }
 }
 
