@@ -65,7 +65,8 @@ if [[ $code -eq 75 && $cancelled == no ]]; then
     echo "jobs/pbs.sh: not complete after $most_restarts restarts; submit it again to go on" >&2
   else
     echo "jobs/pbs.sh: submits itself again" >&2
-    export jobs=$job restart=$((restart + 1)) options=${options:-} script TREBSWEEP=$program
+    options=${options:-}
+    export jobs=$job restart=$((restart + 1)) options=${options//--overwrite/} script TREBSWEEP=$program
     qsub -v jobs,options,restart,script,TREBSWEEP "$script" ||
       echo "jobs/pbs.sh: not submitted; submit it again to go on" >&2
   fi

@@ -46,12 +46,16 @@ number=${SLURM_ARRAY_TASK_ID:-1}
 [[ $number -ge 1 && $number -le ${#jobs[@]} ]] ||
   refuse "--array: there is no job file number $number, only 1 to ${#jobs[@]}"
 command -v "$program" >/dev/null || refuse "$program: no such program; build it, or set TREBSWEEP"
+options=()
+for option in "$@"; do # a restart goes on with what is there
+  [[ $option == --overwrite && ${SLURM_RESTART_COUNT:-0} -gt 0 ]] || options+=("$option")
+done
 
 # The launcher hands USR1 to the ranks, which then finish their round. TERM is scancel's: no restart after it.
 sweep='' cancelled=no
 trap 'kill -USR1 $sweep' USR1
 trap 'cancelled=yes; kill -USR1 $sweep' TERM
-"${launch[@]}" "$program" sweep "${jobs[number - 1]}" "$@" &
+"${launch[@]}" "$program" sweep "${jobs[number - 1]}" "${options[@]}" &
 sweep=$!
 while kill -0 $sweep 2>/dev/null; do wait $sweep || true; done # a trap ends a wait
 code=0

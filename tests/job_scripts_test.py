@@ -106,6 +106,12 @@ class Slurm(JobScript):
         self.assertEqual((code, len(notes)), (75, 1))
         self.assertIn("not complete after 100 restarts", errors)
 
+    def test_a_restart_goes_on_with_what_is_there(self):
+        for restarts, option in (("0", " <--overwrite>"), ("1", "")):
+            _, notes, _ = self.run_script("slurm.sh", "a.cfg", "--", "--overwrite", "-x",
+                                          SLURM_RESTART_COUNT=restarts)
+            self.assertEqual(notes[-1], self.SWEEP + f"<a.cfg>{option} <-x>")
+
     def test_each_task_of_an_array_has_its_job_file(self):
         for number, job in enumerate(("a.cfg", "b.cfg", "c.cfg"), 1):
             code, notes, _ = self.run_script("slurm.sh", "a.cfg", "b.cfg", "c.cfg", "--", "-x",
@@ -143,6 +149,11 @@ class Pbs(JobScript):
             self.sweep("a.cfg", " <-x>"),
             "qsub <-v> <jobs,options,restart,script,TREBSWEEP> <jobs/pbs.sh>",
             "jobs=a.cfg options=-x restart=4"]))
+
+    def test_a_restart_goes_on_with_what_is_there(self):
+        _, notes, _ = self.run_script("pbs.sh", code=75, jobs="a.cfg", options="--overwrite -x")
+        self.assertEqual(notes[0], self.sweep("a.cfg", " <--overwrite> <-x>"))
+        self.assertEqual(notes[-1], "jobs=a.cfg options= -x restart=1")
 
     def test_a_job_of_an_array_has_its_job_file_and_is_submitted_again_alone(self):
         code, notes, _ = self.run_script("pbs.sh", code=75, jobs="a.cfg b.cfg", PBS_ARRAY_INDEX="2")
