@@ -1,12 +1,16 @@
 #include "trebsweep/archive.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <hdf5_hl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <numeric>
 #include <stdexcept>
 
@@ -172,6 +176,20 @@ bool allocate_compressed(hid_t dataset, const MapInfo& info, const Tiling& tilin
   return true;
 }
 
+/// Takes a file's place on the disk, so that a full one shows at once; where that is quick, as on
+/// most of Linux' file systems.
+void take_place([[maybe_unused]] const std::filesystem::path& path) {
+#ifdef __linux__
+  const int file = open(path.c_str(), O_WRONLY);
+  const auto size = static_cast<off_t>(std::filesystem::file_size(path));
+  const bool full = file >= 0 && fallocate(file, 0, 0, size) != 0 && errno == ENOSPC;
+  if (file >= 0) close(file);
+  if (full)
+    throw std::runtime_error(
+        fmt::format("cannot take {} bytes for {}: {}", size, path.string(), std::strerror(ENOSPC)));
+#endif
+}
+
 /// Allocates the chunks of maps that are not compressed, of which each has its first one already.
 /// Through MPI, with which HDF5 does not fill a chunk first: one rank would else write the whole
 /// archive once, while the others wait.
@@ -182,6 +200,7 @@ bool allocate_plain(const std::filesystem::path& path, const std::vector<MapInfo
     if (!touch(open_dataset(file, map.dataset), map.fill, tiling, 1, tiling.size(), stop))
       return false;
   file.close("close " + path.string());
+  take_place(path);
   return true;
 }
 
