@@ -15,9 +15,9 @@
 #PBS -l walltime=01:00:00
 #PBS -j oe
 #PBS -r y
-set -euo pipefail
+# No set -eu here: the scripts behind module load stumble over it, and old shells over empty lists.
 
-cd "${PBS_O_WORKDIR:?submit it: qsub -v jobs=JOB jobs/pbs.sh}"
+cd "${PBS_O_WORKDIR:?submit it: qsub -v jobs=JOB jobs/pbs.sh}" || exit
 script=${script:-jobs/pbs.sh}                 # this file, and the program: from the folder of qsub, or full paths
 program=${TREBSWEEP:-build/release/trebsweep}
 margin=180                                    # s, to stop ahead of the limit; a round of the sweep takes seconds
@@ -44,7 +44,7 @@ job=${files[number - 1]}
 command -v "$program" >/dev/null || refuse "$program: no such program; build it, or set TREBSWEEP"
 
 # The limit of this job, h:m:s; PBS has no signal ahead of it.
-walltime=$(qstat -f "$PBS_JOBID" | sed -n 's/^ *Resource_List.walltime = //p') || walltime=''
+walltime=$(qstat -f "$PBS_JOBID" | sed -n 's/^ *Resource_List.walltime = //p')
 if [[ $walltime =~ ^([0-9]+):([0-9]+):([0-9]+)$ ]]; then
   seconds=$((10#${BASH_REMATCH[1]} * 3600 + 10#${BASH_REMATCH[2]} * 60 + 10#${BASH_REMATCH[3]} - margin))
   [[ $seconds -gt 0 ]] || refuse "walltime = $walltime: must be longer than $margin s"
@@ -56,9 +56,9 @@ sweep='' cancelled=no
 trap 'cancelled=yes; kill -USR1 $sweep' TERM
 "${launch[@]}" "$program" sweep "$job" "${arguments[@]}" &
 sweep=$!
-while kill -0 $sweep 2>/dev/null; do wait $sweep || true; done # a trap ends a wait
-code=0
-wait $sweep || code=$?
+while kill -0 $sweep 2>/dev/null; do wait $sweep; done # a trap ends a wait
+wait $sweep
+code=$?
 
 if [[ $code -eq 75 && $cancelled == no ]]; then
   if [[ $restart -ge $most_restarts ]]; then

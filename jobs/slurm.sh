@@ -19,7 +19,7 @@
 #SBATCH --requeue
 # One log for a job and all its restarts.
 #SBATCH --open-mode=append
-set -euo pipefail
+# No set -eu here: the scripts behind module load stumble over it, and old shells over empty lists.
 
 program=${TREBSWEEP:-build/release/trebsweep} # from the folder of sbatch, or a full path
 launch=(mpirun --bind-to core)                # or (srun --mpi=pmix --cpu-bind=cores)
@@ -57,9 +57,9 @@ trap 'kill -USR1 $sweep' USR1
 trap 'cancelled=yes; kill -USR1 $sweep' TERM
 "${launch[@]}" "$program" sweep "${jobs[number - 1]}" "${options[@]}" &
 sweep=$!
-while kill -0 $sweep 2>/dev/null; do wait $sweep || true; done # a trap ends a wait
-code=0
-wait $sweep || code=$?
+while kill -0 $sweep 2>/dev/null; do wait $sweep; done # a trap ends a wait
+wait $sweep
+code=$?
 
 if [[ $code -eq 75 && $cancelled == no ]]; then
   if [[ ${SLURM_RESTART_COUNT:-0} -ge $most_restarts ]]; then
