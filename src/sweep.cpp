@@ -267,8 +267,9 @@ Index3 tile_edge(const SweepOptions& options, const Lattice& lattice) {
   Index3 edge = lattice.extent();
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t wanted = options.tile_edge.value_or(Index3{})[d];
-    edge[d] =
-        std::min(edge[d], wanted > 0 ? wanted : std::clamp<std::size_t>((edge[d] + 4) / 5, 16, 48));
+    const std::size_t most = edge[d] > 2500 ? 64 : 48;
+    edge[d] = std::min(edge[d],
+                       wanted > 0 ? wanted : std::clamp<std::size_t>((edge[d] + 4) / 5, 16, most));
   }
   return edge;
 }

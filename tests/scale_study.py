@@ -44,12 +44,12 @@ def sweep(folder, ranks, *options):
     with h5py.File(archive) as file:
         attributes = dict(file.attrs)
     attributes["bytes"] = os.path.getsize(archive)
-    attributes["tiles"] = count_tiles(attributes["job"], archive)
+    attributes["tiles"] = count_tiles(archive)
     os.remove(archive)
     return attributes, ready
 
 
-def count_tiles(_, archive):
+def count_tiles(archive):
     """The tiles of an archive."""
     with h5py.File(archive) as file:
         return file["tile_done"].size
@@ -75,7 +75,7 @@ def tile_sizes(per_metre):
     r1 = per_metre - 1                       # 0.5 < r1 < 1.5
     rows = [int(1.2 * per_metre) - 1 - i for i in range(int(1.2 * per_metre))]  # r2 < 1.5 - r3
     extents = (r1, len(rows), rows[0])
-    edge = [min(n, max(16, min((n + 4) // 5, 48))) for n in extents]
+    edge = [min(n, max(16, min((n + 4) // 5, 64 if n > 2500 else 48))) for n in extents]
     plane = []
     for first in range(0, extents[1], edge[1]):
         for low in range(0, extents[2], edge[2]):
