@@ -12,6 +12,7 @@
 #include "trebsweep/accuracy.hpp"
 #include "trebsweep/archive.hpp"
 #include "trebsweep/cases.hpp"
+#include "trebsweep/contents.hpp"
 #include "trebsweep/error.hpp"
 #include "trebsweep/lattice_error.hpp"
 #include "trebsweep/mpi.hpp"
@@ -426,8 +427,8 @@ void check_output(const Job& job, bool overwrite) {
 
 void write_file(const std::vector<Table>& tables, const Job& job, const AssessOptions& options,
                 int ranks) {
-  const auto partial = Archive::partial_path(job.output.file);
-  const std::string what = "write " + partial.string();
+  const auto partial = partial_path(job.output.file).string() + ".new";  // no unfinished sweep
+  const std::string what = "write " + partial;
   hdf5::silence();
   hdf5::File file(H5Fcreate(partial.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), what);
   hdf5::write_attribute(file, "title", std::string("Trebuchet assessment"));

@@ -28,13 +28,15 @@ Usage:
                                      print one design's swing as a table
   trebsweep assess JOB [options]     measure errors, run times and stability of steppers -> tables
                                      (in parallel, like sweep)
+  trebsweep info FILE                what an archive, or an unfinished one, holds
   trebsweep COMMAND --help           the options of a command, with every key of a job file
   trebsweep --version
 
 JOB is a text file of keys with their values; jobs/paper.cfg is one to start from. Any of its keys is
 also an option, which wins over the file: --solver.tolerance 1e-9
 
-Exit codes: 0 complete, 1 run-time error, 2 bad command line or job file.
+Exit codes: 0 complete, 1 run-time error, 2 bad command line or job file, 75 stopped before the end
+(the same command continues).
 )";
 
 const char* const sweep_help =
@@ -43,6 +45,10 @@ const char* const sweep_help =
 Integrates every design (r1, r3, r2) of the job's lattice, on all ranks it was started with, and writes
 maps of what each one does into one HDF5 archive (see output.file). While it works, the file's name ends
 in .partial.
+
+An interrupted sweep is continued by the same command, on any number of ranks; nothing that was done is
+lost, even by a kill, but for the last few seconds. SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and --time-limit stop
+it in good order, with exit code 75.
 
 )";
 
@@ -77,14 +83,26 @@ The tables are printed, and written into output.file, where xarray reads each as
 
 )";
 
+const char* const info_help =
+    R"(Usage: trebsweep info FILE
+
+Prints what an archive, or an unfinished one (FILE.partial), holds: its progress, what became of its
+designs, the optimum so far, where it comes from, and its job.
+
+)";
+
 po::options_description command_options(Command command) {
   po::options_description options("Options");
   auto add = options.add_options();
   add("help,h", "this text");
+  if (command == Command::info) return options;
   if (command != Command::trace) {
     add("overwrite", "replace the archive, or the unfinished one, that is there");
     add("progress", po::value<std::string>()->value_name("STYLE"),
         "on stderr: auto, bar, lines or none");
+    if (command == Command::sweep)
+      add("time-limit", po::value<std::string>()->value_name("TIME"),
+          "stop by itself, with exit code 75, after seconds or [[days-]hours:]minutes:seconds");
   } else {
     const auto metres = [] { return po::value<std::string>()->value_name("M"); };
     add("r1", metres(), "counterweight's arm, m");
@@ -112,16 +130,19 @@ po::options_description key_options() {
 std::string help_of(Command command) {
   const char* const help = command == Command::sweep    ? sweep_help
                            : command == Command::assess ? assess_help
+                           : command == Command::info   ? info_help
                                                         : trace_help;
   std::ostringstream text;
-  text << help << command_options(command) << "\n" << key_options();
+  text << help << command_options(command);
+  if (command != Command::info) text << "\n" << key_options();
   return text.str();
 }
 
 /// Parses what follows the command; texts only, so that every value is checked in one way.
 po::variables_map parse_options(Command command, int argc, const char* const* argv) {
   po::options_description options;
-  options.add(command_options(command)).add(key_options());
+  options.add(command_options(command));
+  if (command != Command::info) options.add(key_options());
   options.add_options()("job", po::value<std::vector<std::string>>());
   po::positional_options_description positions;
   positions.add("job", -1);
@@ -153,8 +174,9 @@ Command to_command(const std::string& name) {
   if (name == "sweep") return Command::sweep;
   if (name == "trace") return Command::trace;
   if (name == "assess") return Command::assess;
+  if (name == "info") return Command::info;
   throw InputError(
-      fmt::format("{}: unknown command; the commands are sweep, trace and assess", name));
+      fmt::format("{}: unknown command; the commands are sweep, trace, assess and info", name));
 }
 
 ProgressStyle to_progress(const std::string& value) {
@@ -182,17 +204,23 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     line.command = Command::help;
     return line;
   }
-  if (!given.count("job")) throw InputError("no job file given; try jobs/paper.cfg");
+  const bool info = line.command == Command::info;
+  if (!given.count("job"))
+    throw InputError(info ? "no archive given" : "no job file given; try jobs/paper.cfg");
   const auto& files = given["job"].as<std::vector<std::string>>();
   if (files.size() > 1)
-    throw InputError(fmt::format("{}: only one job file can be given", files[1]));
-  line.job_file = files[0];
+    throw InputError(
+        fmt::format("{}: only one {} can be given", files[1], info ? "archive" : "job file"));
+  (info ? line.archive : line.job_file) = files[0];
+  if (info) return line;
   for (const Key& key : job_keys())
     if (given.count(key.name)) line.overrides[key.name] = given[key.name].as<std::string>();
   if (given.count(scene_file)) line.overrides[scene_file] = given[scene_file].as<std::string>();
 
   if (line.command != Command::trace) {
     line.overwrite = given.count("overwrite") > 0;
+    if (given.count("time-limit"))
+      line.time_limit = to_seconds("time-limit", given["time-limit"].as<std::string>());
     if (given.count("progress")) line.progress = to_progress(given["progress"].as<std::string>());
   } else {
     line.design = {length(given, "r1"), length(given, "r3"), length(given, "r2")};

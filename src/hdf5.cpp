@@ -1,6 +1,8 @@
 #include "trebsweep/hdf5.hpp"
 
+#include <algorithm>
 #include <stdexcept>
+#include <string_view>
 
 namespace trebsweep::hdf5 {
 namespace {
@@ -14,8 +16,11 @@ herr_t remember_cause(unsigned n, const H5E_error2_t* error, void* reason) {
 void write(hid_t object, const std::string& name, hid_t type, const void* value) {
   const std::string what = "write attribute " + name;
   const Dataspace space(H5Screate(H5S_SCALAR), what);
-  const Attribute attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
-                            what);
+  const bool there = check(H5Aexists(object, name.c_str()), what) > 0;
+  const Attribute attribute(
+      there ? H5Aopen(object, name.c_str(), H5P_DEFAULT)
+            : H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
+      what);
   check(H5Awrite(attribute, type, value), what);
 }
 
@@ -28,6 +33,12 @@ void silence() {
 void fail(const std::string& what) {
   std::string reason;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, remember_cause, &reason);
+  // Where the system is the cause, its own words say all.
+  const std::string_view system = "error message = '";
+  if (const auto start = reason.find(system); start != reason.npos) {
+    reason.erase(0, start + system.size());
+    reason.erase(std::min(reason.find('\''), reason.size()));
+  }
   throw std::runtime_error("cannot " + what + (reason.empty() ? "" : ": " + reason));
 }
 
@@ -61,6 +72,40 @@ std::string read_text_attribute(hid_t object, const std::string& name) {
   const std::string value(text ? text : "");
   H5free_memory(text);
   return value;
+}
+
+double read_number_attribute(hid_t object, const std::string& name) {
+  const std::string what = "read attribute " + name;
+  const Attribute attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), what);
+  const Dataspace space(H5Aget_space(attribute), what);
+  if (H5Sget_simple_extent_npoints(space) != 1) fail(what + " as a single number");
+  double value = 0;
+  check(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value), what);
+  return value;
+}
+
+std::vector<hsize_t> extents(hid_t dataset) {
+  const Dataspace space(H5Dget_space(dataset), "ask for the extents of a dataset");
+  const int rank = H5Sget_simple_extent_ndims(space);
+  std::vector<hsize_t> extents(static_cast<std::size_t>(std::max(rank, 0)));
+  if (rank > 0) H5Sget_simple_extent_dims(space, extents.data(), nullptr);
+  return extents;
+}
+
+std::vector<double> read_numbers(hid_t file, const std::string& name) {
+  const std::string what = "read " + name;
+  const Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), what);
+  const Dataspace space(H5Dget_space(dataset), what);
+  const Datatype type(H5Dget_type(dataset), what);
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  hsize_t bytes = 0;
+  check(H5Fget_filesize(file, &bytes), what);
+  // A damaged extent must not ask for more memory than the file could fill.
+  if (count < 0 || static_cast<hsize_t>(count) > bytes / std::max<hsize_t>(1, H5Tget_size(type)))
+    throw std::runtime_error("cannot " + what + ": larger than the file");
+  std::vector<double> values(static_cast<std::size_t>(count));
+  check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), what);
+  return values;
 }
 
 }  // namespace trebsweep::hdf5

@@ -44,6 +44,17 @@ void sum(std::span<std::uint64_t> values, MPI_Comm comm) {
                 comm);
 }
 
+double sum(double value, MPI_Comm comm) {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, comm);
+  return value;
+}
+
+void sum_on_root(std::span<double> values, MPI_Comm comm) {
+  const bool root = rank(comm) == 0;
+  MPI_Reduce(root ? MPI_IN_PLACE : values.data(), root ? values.data() : nullptr,
+             static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, 0, comm);
+}
+
 std::string on_root(MPI_Comm comm, const std::function<std::string()>& f) {
   // The first character tells a result from the two kinds of failure.
   std::string message;
@@ -59,7 +70,7 @@ std::string on_root(MPI_Comm comm, const std::function<std::string()>& f) {
   message = broadcast(message, comm);
   const std::string text = message.substr(1);
   if (message[0] == '!') throw InputError(text);
-  if (message[0] == '?') throw std::runtime_error(text);
+  if (message[0] == '?') throw RootError(text);
   return text;
 }
 

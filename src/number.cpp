@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "trebsweep/error.hpp"
@@ -25,6 +26,28 @@ double to_number(const std::string& key, const std::string& value, const Range& 
   double number = 0;
   if (!parses(value, number) || !range.contains(number)) refuse(key, value, range.text());
   return number;
+}
+
+double to_seconds(const std::string& key, const std::string& value) {
+  const auto refuse_time = [&] {
+    refuse(key, value, "seconds, or [[days-]hours:]minutes:seconds, above 0");
+  };
+  constexpr std::array units{1.0, 60.0, 3600.0, 86400.0};
+  double seconds = 0;
+  std::string_view rest = value;
+  for (std::size_t unit = 0;; ++unit) {
+    // Days only before hours, and set off by a dash.
+    const auto cut = rest.find_last_of(unit == 2 ? ":-" : ":");
+    const std::string_view part = cut == rest.npos ? rest : rest.substr(cut + 1);
+    double number = 0;
+    if (!parses(part, number) || !not_negative.contains(number)) refuse_time();
+    seconds += number * units[unit];
+    if (cut == rest.npos) break;
+    if (unit + 1 == units.size() || (unit == 2) != (rest[cut] == '-')) refuse_time();
+    rest = rest.substr(0, cut);
+  }
+  if (!positive.contains(seconds)) refuse_time();
+  return seconds;
 }
 
 }  // namespace trebsweep

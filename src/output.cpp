@@ -1,62 +1,141 @@
 #include "trebsweep/output.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
+#include <fmt/ranges.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
+#include <system_error>
 
 #include "trebsweep/archive.hpp"
 #include "trebsweep/error.hpp"
+#include "trebsweep/kernel.hpp"
+#include "trebsweep/version.hpp"
 
 namespace trebsweep {
 namespace {
 
-/// Whether two jobs make the same maps in the same form, wherever they go.
-bool same_job(Job a, const std::string& archived) {
+namespace fs = std::filesystem;
+
+/// The keys in which two jobs differ, but for where their maps go, with both values.
+std::vector<std::string> differences(const Job& here, const Job& there) {
+  std::vector<std::string> found;
+  for (const Key& key : job_keys()) {
+    const std::string mine = key.get(here), other = key.get(there);
+    if (key.name == "output.file" || mine == other) continue;
+    const auto said = [](const std::string& value) { return value.empty() ? "none" : value; };
+    found.push_back(fmt::format("{} = {} there, {} here", key.name, said(other), said(mine)));
+  }
+  return found;
+}
+
+/// Whether two jobs make the same maps in the same form.
+bool same_job(const Job& job, const std::string& archived) {
   try {
-    const Job b = parse_job(archived, "archived", {});
-    a.output.file = b.output.file;
-    return to_text(a) == to_text(b);
+    return differences(job, parse_job(archived, "archived", {})).empty();
   } catch (const InputError&) {
     return false;  // made by a version with other keys
   }
 }
 
+/// Whether an instruction set has the fused multiply-add, which changes last digits.
+bool fuses(std::string_view kernel) { return !kernel.starts_with("baseline"); }
+
+/// Reads the partial file of the job. Throws InputError where it is that of another one, and
+/// std::runtime_error where this program cannot continue it.
+Contents read_begun(const Job& job, const fs::path& partial) {
+  const auto readable = [&](const auto& f) {
+    try {
+      return f();
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(
+          fmt::format("{}: {}; it cannot be continued: remove it, or start anew with --overwrite",
+                      partial.string(), error.what()));
+    }
+  };
+  const Contents begun = readable([&] { return read_contents(partial); });
+  const auto refuse_version = [&](const std::string& what, std::string_view there,
+                                  std::string_view here) {
+    throw std::runtime_error(
+        fmt::format("{} was begun {} {}, this is {}: finish it there, or start anew with "
+                    "--overwrite",
+                    partial.string(), what, there, here));
+  };
+  if (begun.source != version_text()) refuse_version("by", begun.source, version_text());
+  const Job begun_job = readable([&] { return parse_job(begun.job, partial, {}); });
+  const auto differ = differences(job, begun_job);
+  if (!differ.empty())
+    throw InputError(
+        fmt::format("output.file = {}: {} holds an unfinished sweep of another job ({}); name "
+                    "another file, or start anew with --overwrite",
+                    job.output.file, partial.string(), fmt::join(differ, "; ")));
+  if (fuses(begun.kernel) != fuses(instruction_set()))
+    refuse_version("on a machine with", begun.kernel, instruction_set());
+  const Lattice lattice(job.scene, job.lattice);
+  if (begun.axes != lattice.axes() || begun.tiles != Tiling(lattice, begun.tile_edge).size())
+    throw std::runtime_error(
+        fmt::format("{}: damaged: its lattice is not its job's; it cannot be continued: remove it, "
+                    "or start anew "
+                    "with --overwrite",
+                    partial.string()));
+  return begun;
+}
+
+[[noreturn]] void refuse_file(const Job& job, const std::string& why) {
+  throw InputError(fmt::format("output.file = {}: {}", job.output.file, why));
+}
+
+/// Whether the archive of this very job is there already.
+bool is_complete(const Job& job, bool overwrite) {
+  std::error_code unknown;  // what cannot be asked about cannot be written either
+  if (!fs::exists(job.output.file, unknown)) return false;
+  const auto archived = archived_job(job.output.file);
+  if (!archived)
+    refuse_file(job, "is there already and is no archive of a sweep; name another file");
+  if (overwrite) return false;
+  if (same_job(job, *archived)) return true;
+  refuse_file(
+      job, "holds the archive of another job; name another file, or replace it with --overwrite");
+}
+
+std::unique_ptr<FileLock> take_lock(const Job& job, const fs::path& folder) {
+  try {
+    return std::make_unique<FileLock>(job.output.file + ".lock");
+  } catch (const InputError& held) {
+    refuse_file(job, fmt::format("another sweep is writing it: {}", held.what()));
+  } catch (const std::system_error& error) {
+    refuse_file(job,
+                fmt::format("cannot write in {}: {}", folder.string(), error.code().message()));
+  }
+}
+
 }  // namespace
 
-bool prepare_output(const Job& job, bool overwrite) {
-  namespace fs = std::filesystem;
+Place prepare_output(const Job& job, bool overwrite) {
   const fs::path path = job.output.file;
-  const fs::path partial = Archive::partial_path(path);
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const auto refuse_file = [&](const std::string& why) {
-    throw InputError(fmt::format("output.file = {}: {}", path.string(), why));
-  };
-  std::error_code unknown;  // what cannot be asked about cannot be written either: open() tells why
+  const fs::path partial = partial_path(path);
+  std::error_code unknown;
   if (!fs::is_directory(folder, unknown))
-    refuse_file(fmt::format("{} is no folder; make it, or name another", folder.string()));
-  if (fs::is_directory(path, unknown)) refuse_file("is a folder; name a file");
-  if (fs::exists(path, unknown)) {
-    const auto archived = archived_job(path);
-    if (!archived) refuse_file("is there already and is no archive of a sweep; name another file");
-    if (!overwrite && same_job(job, *archived)) return false;
-    if (!overwrite)
-      refuse_file(
-          "holds the archive of another job; name another file, or replace it with --overwrite");
+    refuse_file(job, fmt::format("{} is no folder; make it, or name another", folder.string()));
+  if (fs::is_directory(path, unknown)) refuse_file(job, "is a folder; name a file");
+
+  Place place;
+  const auto look = [&] {
+    // Under another archive's name there is an unfinished one only where that may be replaced.
+    const auto begun = archived_job(partial);
+    const bool continued = !overwrite && begun && same_job(job, *begun);
+    place.complete = !continued && is_complete(job, overwrite);
+    return !place.complete;
+  };
+  if (!look()) return place;
+  place.lock = take_lock(job, folder);
+  // Another sweep may have finished meanwhile.
+  if (!look()) {
+    place.lock.reset();
+    return place;
   }
-  const int file = open(partial.c_str(), O_WRONLY | O_CREAT | (overwrite ? 0 : O_EXCL), 0666);
-  if (file < 0 && errno == EEXIST)
-    refuse_file(
-        fmt::format("{} holds an unfinished sweep; name another file, or start anew with "
-                    "--overwrite",
-                    partial.string()));
-  if (file < 0)
-    refuse_file(fmt::format("cannot write in {}: {}", folder.string(), std::strerror(errno)));
-  close(file);
-  return true;
+  if (!overwrite && fs::exists(partial, unknown)) place.begun = read_begun(job, partial);
+  return place;
 }
 
 }  // namespace trebsweep

@@ -31,7 +31,8 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-Progress::Progress(std::uint64_t total, ProgressStyle style) : total_(total), style_(style) {
+Progress::Progress(std::uint64_t before, std::uint64_t total, ProgressStyle style)
+    : before_(before), total_(total), style_(style) {
   if (style_ == ProgressStyle::automatic)
     style_ = on_terminal() ? ProgressStyle::bar : ProgressStyle::lines;
 }
@@ -47,8 +48,10 @@ void Progress::update(std::uint64_t done) {
 
   const double share = static_cast<double>(done) / static_cast<double>(total_);
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const std::string time =
-      complete ? "in " + clock_text(elapsed) : clock_text(elapsed / share - elapsed) + " left";
+  const double pace = static_cast<double>(done - before_) / elapsed;
+  const std::string time = complete
+                               ? "in " + clock_text(elapsed)
+                               : clock_text(static_cast<double>(total_ - done) / pace) + " left";
   const std::string numbers =
       fmt::format("{:3.0f} %  {} of {} designs  {}", 100 * share, done, total_, time);
   if (bar) {

@@ -9,12 +9,12 @@
 #include <filesystem>
 #include <iterator>
 #include <limits>
-#include <numeric>
 #include <queue>
 #include <stdexcept>
 
 #include "trebsweep/archive.hpp"
 #include "trebsweep/integrate.hpp"
+#include "trebsweep/kernel.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/output.hpp"
 #include "trebsweep/version.hpp"
@@ -92,51 +92,94 @@ std::vector<Field> extra_fields(const Output& output) {
   return extra;
 }
 
-/// The maps of some tiles, a map per field of the job for each.
-std::vector<std::vector<Map>> integrate(const std::vector<Tile>& tiles, const Job& job,
-                                        const Lattice& lattice, Tally& tally) {
+/// A tile's maps, one per field of the job, and what they came to.
+struct ComputedTile {
+  std::vector<Map> maps;
+  Tally tally;
+};
+
+/// A tile with its number.
+struct NumberedTile {
+  std::uint64_t number;
+  Tile tile;
+};
+
+/// How many to take next, for a step of about `wanted` seconds, when the last ones took `seconds`.
+std::uint64_t paced(std::uint64_t count, double seconds, double wanted) {
+  const double pace = std::clamp(wanted / std::max(seconds, 1e-9), 0.1, 8.0);
+  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(count) * pace));
+}
+
+/// Integrates designs, asking now and then whether to stop: slow ones can take minutes per tile.
+/// Returns the lanes' steps, or nothing if told to stop.
+std::optional<std::uint64_t> integrate(const Job& job, std::span<const Design<double>> designs,
+                                       const std::vector<Field>& fields, std::span<Shot> shots,
+                                       std::span<double> values,
+                                       const std::function<bool()>& stop) {
+  std::uint64_t lane_steps = 0, slice = 4096;
+  for (std::size_t first = 0; first < designs.size();) {
+    if (stop()) return std::nullopt;
+    const std::size_t count = std::min(slice, designs.size() - first);
+    const double start = MPI_Wtime();
+    lane_steps += integrate(job.scene, job.solver, designs.subspan(first, count), fields,
+                            shots.subspan(first, count),
+                            values.subspan(first * fields.size(), count * fields.size()))
+                      .lane_steps;
+    slice = paced(slice, MPI_Wtime() - start, 0.2);
+    first += count;
+  }
+  return lane_steps;
+}
+
+/// Computes some tiles, or nothing if told to stop.
+std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>& tiles,
+                                                 const Job& job, const Lattice& lattice,
+                                                 const std::function<bool()>& stop) {
+  if (stop()) return std::nullopt;
   // All at once: lanes run dry at the end only.
   std::vector<Design<double>> designs;
-  for (const Tile& tile : tiles)
+  for (const auto& [number, tile] : tiles)
     for_each_design(lattice, tile,
                     [&](const Index3& i, std::size_t) { designs.push_back(lattice.design(i)); });
   const std::vector<Field> extra = extra_fields(job.output);
   std::vector<Shot> shots(designs.size());
   std::vector<double> values(designs.size() * extra.size());
-  tally.lane_steps += integrate(job.scene, job.solver, designs, extra, shots, values).lane_steps;
+  const auto lane_steps = integrate(job, designs, extra, shots, values, stop);
+  if (!lane_steps) return std::nullopt;
 
   const auto place = [&](Field field) {
     return static_cast<std::size_t>(std::find(extra.begin(), extra.end(), field) - extra.begin());
   };
-  std::vector<std::size_t> places;  // of the job's fields among the extra ones
-  for (const Field field : job.output.fields) places.push_back(place(field));
-  const std::size_t slack = place(Field::slack);
-  std::vector<std::vector<Map>> computed;
+  std::vector<ComputedTile> computed;
   std::size_t n = 0;
   const Index3 extent = lattice.extent();
-  for (const Tile& tile : tiles) {
-    std::vector<Map>& maps = computed.emplace_back();
+  for (const auto& [number, tile] : tiles) {
+    auto& [maps, tally] = computed.emplace_back();
     for (const Field field : job.output.fields) maps.emplace_back(tile.cells(), outside(field));
-    for_each_design(lattice, tile, [&](const Index3& i, std::size_t cell) {
-      const Shot& shot = shots[n];
-      const double* const extras = values.data() + n * extra.size();
-      for (std::size_t f = 0; f < maps.size(); ++f) {
-        const Field field = job.output.fields[f];
-        const double value = is_basic(field) ? basic_value(shot, field) : extras[places[f]];
-        maps[f][cell] = is_flag(field) && std::isnan(value) ? 0 : value;
-      }
-      const bool competes = job.output.contest == Contest::all || extras[slack] == 1;  // taut
-      tally.add(shot, (i[0] * extent[1] + i[1]) * extent[2] + i[2], competes);
-      ++n;
-    });
+    for_each_design(
+        lattice, tile, [&, &maps = maps, &tally = tally](const Index3& i, std::size_t cell) {
+          const Shot& shot = shots[n];
+          const double* const extras = values.data() + n * extra.size();
+          for (std::size_t f = 0; f < maps.size(); ++f) {
+            const Field field = job.output.fields[f];
+            const double value = is_basic(field) ? basic_value(shot, field) : extras[place(field)];
+            maps[f][cell] = is_flag(field) && std::isnan(value) ? 0 : value;
+          }
+          const bool competes =
+              job.output.contest == Contest::all || extras[place(Field::slack)] == 1;  // taut
+          tally.add(shot, (i[0] * extent[1] + i[1]) * extent[2] + i[2], competes);
+          ++n;
+        });
   }
+  if (!computed.empty()) computed.front().tally.lane_steps = *lane_steps;
   return computed;
 }
 
 /// Tiles [first, end), which all ranks compute and then write together, dealt to the ranks: the
 /// largest first, each to the rank with the fewest designs so far. All ranks deal alike.
-std::vector<std::vector<Tile>> deal(std::uint64_t first, std::uint64_t end, std::uint64_t ranks,
-                                    const Lattice& lattice, const Tiling& tiling) {
+std::vector<std::vector<NumberedTile>> deal(std::uint64_t first, std::uint64_t end,
+                                            std::uint64_t ranks, const Lattice& lattice,
+                                            const Tiling& tiling) {
   struct Sized {
     std::uint64_t designs, number;
   };
@@ -149,54 +192,73 @@ std::vector<std::vector<Tile>> deal(std::uint64_t first, std::uint64_t end, std:
   using Hand = std::pair<std::uint64_t, std::uint64_t>;  // designs, rank
   std::priority_queue<Hand, std::vector<Hand>, std::greater<>> hands;
   for (std::uint64_t rank = 0; rank < ranks; ++rank) hands.push({0, rank});
-  std::vector<std::vector<Tile>> dealt(ranks);
+  std::vector<std::vector<NumberedTile>> dealt(ranks);
   for (const auto& [designs, number] : tiles) {
     const auto [sum, rank] = hands.top();
     hands.pop();
-    dealt[rank].push_back(tiling.tile(number));
+    dealt[rank].push_back({number, tiling.tile(number)});
     hands.push({sum + designs, rank});
   }
   return dealt;
 }
 
 /// Writes a round's tiles; collective.
-void write(const std::vector<std::vector<Tile>>& dealt, std::uint64_t rank,
-           const std::vector<std::vector<Map>>& computed, Archive& archive) {
+void write(const std::vector<std::vector<NumberedTile>>& dealt, std::uint64_t rank,
+           const std::vector<ComputedTile>& computed, Archive& archive) {
   std::size_t most = 0;
   for (const auto& tiles : dealt) most = std::max(most, tiles.size());
   for (std::size_t i = 0; i < most; ++i) {
-    if (i < dealt[rank].size())
-      archive.write(dealt[rank][i], computed[i]);
+    if (i < computed.size())
+      archive.write(dealt[rank][i].tile, computed[i].maps);
     else
       archive.write(std::nullopt, {});
   }
 }
 
-void describe(Archive& archive, const Job& job, const SweepOptions& options, std::uint64_t ranks) {
-  const std::time_t now = std::time(nullptr);
-  archive.attribute("Conventions", std::string("CF-1.10"));
-  archive.attribute("title",
-                    "Trebuchet sweep " + std::filesystem::path(job.output.file).stem().string());
-  archive.attribute("source", version_text());
-  archive.attribute("history", fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {} ({} ranks)", fmt::gmtime(now),
-                                           options.command, ranks));
-  archive.attribute("format_version", 1ULL);
-  archive.attribute("job", to_text(job));
+/// The tallies of a round's tiles from `first` on, on rank 0; collective.
+std::vector<TallyRow> gather(const std::vector<NumberedTile>& tiles,
+                             const std::vector<ComputedTile>& computed, std::uint64_t first,
+                             std::uint64_t end, MPI_Comm comm) {
+  std::vector<TallyRow> rows(end - first, TallyRow{});
+  for (std::size_t i = 0; i < tiles.size(); ++i)
+    rows[tiles[i].number - first] = to_row(computed[i].tally);
+  mpi::sum_on_root({rows.data()->data(), rows.size() * tally_columns.size()}, comm);
+  return rows;
 }
 
-void describe(Archive& archive, const Summary& summary) {
+std::string history_line(const SweepOptions& options, std::uint64_t ranks) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {} ({} ranks)", fmt::gmtime(std::time(nullptr)),
+                     options.command, ranks);
+}
+
+Attributes attributes(const Summary& summary) {
   const Optimum none{{nan, nan, nan}, nan, nan};
   const Optimum optimum = summary.optimum.value_or(none);
-  archive.attribute("best_speed", optimum.speed);
-  archive.attribute("best_r1", optimum.design.r1);
-  archive.attribute("best_r3", optimum.design.r3);
-  archive.attribute("best_r2", optimum.design.r2);
-  archive.attribute("best_release_time", optimum.release_time);
-  archive.attribute("designs", static_cast<unsigned long long>(summary.designs()));
-  archive.attribute("steps", static_cast<unsigned long long>(summary.steps));
-  archive.attribute("lane_utilisation", summary.utilisation());
-  archive.attribute("integration_seconds", summary.integration_seconds);
-  archive.attribute("sweep_seconds", summary.sweep_seconds);
+  using Count = unsigned long long;
+  return {{"best_speed", optimum.speed},
+          {"best_r1", optimum.design.r1},
+          {"best_r3", optimum.design.r3},
+          {"best_r2", optimum.design.r2},
+          {"best_release_time", optimum.release_time},
+          {"designs", static_cast<Count>(summary.designs())},
+          {"steps", static_cast<Count>(summary.steps)},
+          {"lane_utilisation", summary.utilisation()},
+          {"integration_seconds", summary.integration_seconds},
+          {"sweep_seconds", summary.sweep_seconds}};
+}
+
+/// What an archive says of itself from the first; the summary's numbers follow in their places.
+Attributes attributes(const Job& job, const std::string& history) {
+  Attributes all = attributes(Summary{});
+  all.insert(all.end(), {{"format_version", archive_format},
+                         {"Conventions", std::string("CF-1.10")},
+                         {"title", "Trebuchet sweep " +
+                                       std::filesystem::path(job.output.file).stem().string()},
+                         {"source", version_text()},
+                         {"kernel", std::string(instruction_set())},
+                         {"job", to_text(job)},
+                         {"history", history}});  // last: when it grows, no other text moves
+  return all;
 }
 
 /// The extent of a tile: about a fifth of the lattice's, so that there are tiles enough to share
@@ -205,67 +267,110 @@ Index3 tile_edge(const SweepOptions& options, const Lattice& lattice) {
   Index3 edge = lattice.extent();
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t wanted = options.tile_edge.value_or(Index3{})[d];
-    edge[d] =
-        std::min(edge[d], wanted > 0 ? wanted : std::clamp<std::size_t>((edge[d] + 4) / 5, 16, 64));
+    const std::size_t most = edge[d] > 2500 ? 64 : 48;
+    edge[d] = std::min(edge[d],
+                       wanted > 0 ? wanted : std::clamp<std::size_t>((edge[d] + 4) / 5, 16, most));
   }
   return edge;
 }
 
-/// How many tiles a rank computes before it writes: rounds of about a second, within 64 MiB of
+/// How many tiles a rank computes before it writes: rounds of about two seconds, within 64 MiB of
 /// maps.
 std::uint64_t next_batch(std::uint64_t batch, double round_seconds, std::size_t bytes_per_tile) {
-  const double pace = std::clamp(1.0 / std::max(round_seconds, 1e-9), 0.1, 8.0);
   const std::uint64_t most = std::max<std::uint64_t>(1, (std::uint64_t{64} << 20) / bytes_per_tile);
-  const auto wanted = static_cast<std::uint64_t>(static_cast<double>(batch) * pace);
-  return std::clamp<std::uint64_t>(wanted, 1, most);
+  return std::min(paced(batch, round_seconds, 2.0), most);
+}
+
+/// Where a sweep stands before its first round.
+struct Start {
+  bool complete = false;   ///< the archive is there already
+  bool stopped = false;    ///< told to stop before the partial file was made
+  Index3 edge{};           ///< of the tiles
+  std::uint64_t done = 0;  ///< tiles that earlier runs have done
+};
+
+/// Finds or makes the partial file, as rank 0 alone does; `tally` becomes that of what is done.
+Start find_or_make(const Job& job, const Lattice& lattice, const SweepOptions& options,
+                   const Place& place, const std::string& history, Tally& tally) {
+  Start start{.complete = place.complete, .edge = tile_edge(options, lattice)};
+  const auto maps = map_infos(job.output);
+  if (place.begun) {
+    start.edge = place.begun->tile_edge;
+    start.done = place.begun->tiles_done;
+    tally = place.begun->tally;
+    continue_partial(job.output.file, Tiling(lattice, start.edge), maps, start.done, history);
+  } else if (!place.complete) {
+    start.stopped = !create_partial(job.output.file, lattice, Tiling(lattice, start.edge), maps,
+                                    job.output.compression, attributes(job, history), options.stop);
+  }
+  return start;
 }
 
 }  // namespace
 
 std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Comm comm) {
-  const double start = MPI_Wtime();
+  const double start_time = MPI_Wtime();
   const Lattice lattice(job.scene, job.lattice);
-  const bool to_do = !mpi::on_root(comm, [&] {
-                        return prepare_output(job, options.overwrite) ? "to do" : "";
-                      }).empty();
-  if (!to_do) return std::nullopt;
-
-  const Index3 edge = tile_edge(options, lattice);
-  const Tiling tiling(lattice, edge);
   const auto rank = static_cast<std::uint64_t>(mpi::rank(comm));
   const auto ranks = static_cast<std::uint64_t>(mpi::size(comm));
-  Archive archive(job.output.file, lattice, tiling, map_infos(job.output), job.output.compression,
-                  comm);
-  describe(archive, job, options, ranks);
-
-  Progress progress(lattice.designs(), rank == 0 ? options.progress : ProgressStyle::none);
-  const std::size_t bytes_per_tile =
-      edge[0] * edge[1] * edge[2] * job.output.fields.size() * sizeof(double);
+  // On rank 0 alone: the place with its lock, and what earlier runs have come to.
+  Place place;
   Tally tally;
-  double integration_seconds = 0;
-  std::uint64_t batch = 1;
-  for (std::uint64_t next = 0; next < tiling.size();) {
+  Start start;
+  mpi::on_root(comm, [&] {
+    place = prepare_output(job, options.overwrite);
+    start = find_or_make(job, lattice, options, place, history_line(options, ranks), tally);
+    return std::string();
+  });
+  start = mpi::from_root(start, comm);
+  if (start.complete) return std::nullopt;
+  if (start.stopped) {
+    Summary summary;
+    summary.complete = false;
+    return summary;
+  }
+
+  const Tiling tiling(lattice, start.edge);
+  Archive archive(job.output.file, map_infos(job.output), comm);
+
+  std::uint64_t designs_done = tally.designs();  // right on rank 0, which tells it
+  Progress progress(designs_done, lattice.designs(),
+                    rank == 0 ? options.progress : ProgressStyle::none);
+  const std::size_t bytes_per_tile =
+      start.edge[0] * start.edge[1] * start.edge[2] * job.output.fields.size() * sizeof(double);
+  std::uint64_t next = start.done, batch = 1;
+  double counted = start_time;  // the seconds until then are in tallies
+  while (next < tiling.size()) {
     const std::uint64_t end = std::min(next + batch * ranks, tiling.size());
     const auto dealt = deal(next, end, ranks, lattice, tiling);
     const double round_start = MPI_Wtime();
-    const auto computed = integrate(dealt[rank], job, lattice, tally);
-    const double round_seconds = MPI_Wtime() - round_start;
-    integration_seconds += round_seconds;
-    write(dealt, rank, computed, archive);
-    archive.mark_done(next, end - next);
-    next = end;
-    batch = next_batch(batch, mpi::max(round_seconds, comm), bytes_per_tile);
-    std::uint64_t done =
-        std::accumulate(tally.statuses.begin(), tally.statuses.end(), std::uint64_t{0});
-    mpi::sum({&done, 1}, comm);
-    progress.update(done);
+    auto computed = compute(dealt[rank], job, lattice, options.stop);
+    const double round_seconds = mpi::max(MPI_Wtime() - round_start, comm);
+    const bool all_computed = mpi::max(computed ? 0 : 1, comm) == 0;
+    if (!all_computed) break;
+
+    write(dealt, rank, *computed, archive);
+    for (std::size_t i = 0; i < computed->size(); ++i) {
+      ComputedTile& tile = (*computed)[i];
+      if (dealt[rank][i].number == next) {
+        tile.tally.integration_seconds = round_seconds;
+        tile.tally.sweep_seconds = MPI_Wtime() - counted;
+      }
+      tally.add(tile.tally);
+    }
+    counted = MPI_Wtime();
+    archive.mark_done(next, gather(dealt[rank], *computed, next, end, comm));
+    for (; next < end; ++next) designs_done += lattice.designs_in(tiling.tile(next));
+    batch = next_batch(batch, round_seconds, bytes_per_tile);
+    progress.update(designs_done);
   }
 
+  if (rank == 0) tally.sweep_seconds += MPI_Wtime() - counted;
   Summary summary = combine(tally, lattice, comm);
-  summary.integration_seconds = mpi::max(integration_seconds, comm);
-  summary.sweep_seconds = mpi::max(MPI_Wtime() - start, comm);
-  describe(archive, summary);
-  archive.finish();
+  summary.complete = next == tiling.size();
+  if (summary.complete) archive.write(attributes(summary));
+  archive.close();
+  if (summary.complete) mpi::on_root(comm, [&] { return finish(job.output.file), std::string(); });
   return summary;
 }
 

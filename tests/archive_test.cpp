@@ -1,10 +1,13 @@
 #include "trebsweep/archive.hpp"
 
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 #include "archive_reader.hpp"
 #include "catch.hpp"
+#include "trebsweep/contents.hpp"
 #include "trebsweep/mpi.hpp"
 
 using namespace trebsweep;
@@ -28,6 +31,22 @@ double value_of(const Index3& i) {
   return static_cast<double>(i[0] * 10000 + i[1] * 100 + i[2]) + 0.25;
 }
 
+Archive make_archive(const std::filesystem::path& path, const Lattice& lattice,
+                     const Tiling& tiling, const std::vector<MapInfo>& maps, int compression) {
+  mpi::on_root(MPI_COMM_WORLD, [&] {
+    const Attributes attributes{{"best_speed", nan}, {"job", std::string("some text")}};
+    create_partial(path, lattice, tiling, maps, compression, attributes, [] { return false; });
+    return std::string();
+  });
+  return Archive(path, maps, MPI_COMM_WORLD);
+}
+
+/// Gives the file its name, too.
+void close(Archive& archive, const std::filesystem::path& path) {
+  archive.close();
+  mpi::on_root(MPI_COMM_WORLD, [&] { return finish(path), std::string(); });
+}
+
 /// Writes every tile, each rank its own, with values that tell their place.
 void write_all(Archive& archive, const Lattice& lattice, const Tiling& tiling) {
   const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
@@ -46,7 +65,7 @@ void write_all(Archive& archive, const Lattice& lattice, const Tiling& tiling) {
           }
     }
     archive.write(tile, maps);
-    archive.mark_done(first, std::min(ranks, tiling.size() - first));
+    archive.mark_done(first, std::vector<TallyRow>(std::min(ranks, tiling.size() - first)));
   }
 }
 
@@ -58,13 +77,12 @@ TEST_CASE("Every value lands at its place, plain and compressed, in each number 
   for (const int compression : {0, 4})
     for (const MapType type : {MapType::float64, MapType::float32}) {
       const TemporaryFile file("archive");
-      Archive archive(file.path(), lattice, tiling, two_maps(type), compression, MPI_COMM_WORLD);
+      Archive archive = make_archive(file.path(), lattice, tiling, two_maps(type), compression);
       write_all(archive, lattice, tiling);
-      archive.attribute("job", std::string("some text"));
-      archive.attribute("best_speed", 17.5);
+      archive.write({{"best_speed", 17.5}});
       CHECK_FALSE(std::filesystem::exists(file.path()));
-      archive.finish();
-      CHECK_FALSE(std::filesystem::exists(Archive::partial_path(file.path())));
+      close(archive, file.path());
+      CHECK_FALSE(std::filesystem::exists(partial_path(file.path())));
 
       if (mpi::rank(MPI_COMM_WORLD) == 0) {
         CHECK(archived_job(file.path()) == "some text");
@@ -85,17 +103,21 @@ TEST_CASE("Every value lands at its place, plain and compressed, in each number 
     }
 }
 
-TEST_CASE("What was not written is the fill value, and not marked done") {
+TEST_CASE("What was not written is empty, and not marked done") {
   const Lattice lattice = small_lattice();
   const Tiling tiling(lattice, {4, 3, 5});
-  const TemporaryFile file("archive_empty");
-  Archive archive(file.path(), lattice, tiling, two_maps(MapType::float64), 0, MPI_COMM_WORLD);
-  archive.finish();
-  if (mpi::rank(MPI_COMM_WORLD) == 0) {
-    for (const double x : read_map(file.path(), "number")) REQUIRE(std::isnan(x));
-    for (const double x : read_map(file.path(), "flag")) REQUIRE(x == 0);
-    CHECK(read_map(file.path(), "tile_done") == std::vector<double>(tiling.size(), 0));
-    CHECK_FALSE(archived_job(file.path()));
+  for (const int compression : {0, 1}) {
+    const TemporaryFile file("archive_empty");
+    Archive archive =
+        make_archive(file.path(), lattice, tiling, two_maps(MapType::float64), compression);
+    close(archive, file.path());
+    if (mpi::rank(MPI_COMM_WORLD) == 0) {
+      // Plain chunks are left as the disk gives them: nothing is written there twice.
+      for (const double x : read_map(file.path(), "number"))
+        REQUIRE((std::isnan(x) || (compression == 0 && x == 0)));
+      for (const double x : read_map(file.path(), "flag")) REQUIRE(x == 0);
+      CHECK(read_map(file.path(), "tile_done") == std::vector<double>(tiling.size(), 0));
+    }
   }
 }
 
@@ -104,10 +126,10 @@ TEST_CASE("Chunks wholly outside the lattice are never allocated") {
   const Tiling tiling(lattice, {4, 3, 5});
   for (const int compression : {0, 1}) {
     const TemporaryFile file("archive_chunks");
-    Archive archive(file.path(), lattice, tiling, two_maps(MapType::float64), compression,
-                    MPI_COMM_WORLD);
+    Archive archive =
+        make_archive(file.path(), lattice, tiling, two_maps(MapType::float64), compression);
     write_all(archive, lattice, tiling);
-    archive.finish();
+    close(archive, file.path());
     if (mpi::rank(MPI_COMM_WORLD) == 0) {
       const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
       const hdf5::Dataset map(H5Dopen2(opened, "number", H5P_DEFAULT), "open");
@@ -121,13 +143,76 @@ TEST_CASE("Chunks wholly outside the lattice are never allocated") {
   }
 }
 
-TEST_CASE("A file that is no archive holds no job") {
-  CHECK_FALSE(archived_job("/nowhere.h5"));
-  CHECK_FALSE(archived_job(SOURCE_DIR "/CMakeLists.txt"));
+TEST_CASE("An archive that cannot be created is an error that says why") {
+  CHECK_THROWS_WITH(
+      create_partial("/nowhere/a.h5", small_lattice(), Tiling(small_lattice(), {4, 4, 4}), {}, 0,
+                     {}, [] { return false; }),
+      contains("cannot create /nowhere/a.h5.partial") && contains("No such file"));
 }
 
-TEST_CASE("An archive that cannot be created is an error that says why") {
-  CHECK_THROWS_WITH(Archive("/nowhere/a.h5", small_lattice(), Tiling(small_lattice(), {4, 4, 4}),
-                            {}, 0, MPI_COMM_WORLD),
-                    contains("cannot create /nowhere/a.h5.partial"));
+TEST_CASE("What a machine that went down left in chunks that are not done does no harm") {
+  const Lattice lattice = small_lattice();
+  const Tiling tiling(lattice, {4, 3, 5});
+  const TemporaryFile file("archive_garbage");
+  const auto maps = two_maps(MapType::float64);
+  { const Archive archive = make_archive(file.path(), lattice, tiling, maps, 4); }
+  if (mpi::rank(MPI_COMM_WORLD) == 0) {
+    std::fstream raw(partial_path(file.path()), std::ios::in | std::ios::out | std::ios::binary);
+    {
+      const hdf5::File opened(
+          H5Fopen(partial_path(file.path()).c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+      for (const MapInfo& info : maps) {
+        const hdf5::Dataset map(H5Dopen2(opened, info.dataset.c_str(), H5P_DEFAULT), "open");
+        const hdf5::Dataspace space(H5Dget_space(map), "find chunks");
+        for (hsize_t chunk = 0; chunk < tiling.size(); ++chunk) {
+          haddr_t address = 0;
+          hsize_t size = 0;
+          unsigned mask = 0;
+          std::array<hsize_t, 3> first;
+          hdf5::check(H5Dget_chunk_info(map, space, chunk, first.data(), &mask, &address, &size),
+                      "find");
+          raw.seekp(static_cast<std::streamoff>(address));
+          raw << std::string(size, 'x');
+        }
+      }
+    }
+    raw.close();
+    continue_partial(file.path(), tiling, maps, 0, "went on");
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  Archive archive(file.path(), maps, MPI_COMM_WORLD);
+  write_all(archive, lattice, tiling);
+  close(archive, file.path());
+  if (mpi::rank(MPI_COMM_WORLD) == 0) {
+    const auto numbers = read_map(file.path(), "number");
+    CHECK(numbers.front() == value_of({0, 0, 0}));
+    const Index3 n = lattice.extent();
+    CHECK(numbers[(n[0] - 1) * n[1] * n[2]] == value_of({n[0] - 1, 0, 0}));
+  }
+}
+
+TEST_CASE("Where it is told to stop, a partial file that is being made leaves nothing") {
+  const TemporaryFile file("archive_stopped");
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const Lattice lattice = small_lattice();
+  int asked = 0;
+  CHECK_FALSE(create_partial(file.path(), lattice, Tiling(lattice, {4, 3, 5}),
+                             two_maps(MapType::float64), 0, {}, [&] { return ++asked > 7; }));
+  for (const auto& entry : std::filesystem::directory_iterator(file.path().parent_path()))
+    CHECK(entry.path().string().find("archive_stopped") == std::string::npos);
+}
+
+TEST_CASE("A history grows by a line for each run") {
+  const TemporaryFile file("archive_history");
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const Lattice lattice = small_lattice();
+  const Tiling tiling(lattice, {4, 3, 5});
+  create_partial(file.path(), lattice, tiling, {}, 0, {{"history", std::string("began")}},
+                 [] { return false; });
+  continue_partial(file.path(), tiling, {}, 0, "went on");
+  continue_partial(file.path(), tiling, {}, 0, std::string(5000, 'x'));
+  finish(file.path());
+  const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  CHECK(hdf5::read_text_attribute(opened, "history") ==
+        "began\nwent on\n" + std::string(5000, 'x'));
 }

@@ -1,5 +1,6 @@
 #include "trebsweep/command_line.hpp"
 
+#include <cmath>
 #include <vector>
 
 #include "catch.hpp"
@@ -24,6 +25,13 @@ TEST_CASE("Keys of the job are options, in either form, before or after the job"
   CHECK(line.overrides == Overrides{{"solver.tolerance", "1e-9"}, {"scene.gravity", "-1"}});
   CHECK(line.overwrite);
   CHECK(line.progress == ProgressStyle::none);
+}
+
+TEST_CASE("A sweep may have a time limit") {
+  CHECK(parse({"sweep", "j", "--time-limit", "1:30:00"}).time_limit == 5400);
+  CHECK(std::isinf(parse({"sweep", "j"}).time_limit));
+  CHECK_THROWS_WITH(parse({"sweep", "j", "--time-limit", "soon"}),
+                    contains("time-limit = soon: must be seconds"));
 }
 
 TEST_CASE("A negative number can follow its option as a word of its own") {
@@ -52,7 +60,7 @@ TEST_CASE("Help of a command lists each of its keys") {
 
 TEST_CASE("Bad command lines are refused by what is wrong in them") {
   CHECK_THROWS_WITH(parse({}), contains("no command"));
-  CHECK_THROWS_WITH(parse({"swep"}), contains("swep") && contains("sweep, trace and assess"));
+  CHECK_THROWS_WITH(parse({"swep"}), contains("swep") && contains("sweep, trace, assess and info"));
   CHECK_THROWS_WITH(parse({"sweep"}), contains("no job file"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "b"}), contains("b"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "--overwrit"}), contains("--overwrit"));

@@ -16,7 +16,14 @@ PROGRAM = os.environ["TREBSWEEP"]
 REPOSITORY = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 MPIEXEC = os.environ["MPIEXEC"]
 JOBS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "jobs")
+KERNELS = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
 COARSE = ("--lattice.increment", "0.1")
+
+
+def wide_kernels():
+    """Whether there are kernels for AVX2 and AVX-512, and a machine for both."""
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        return "avx512dq" in file.read() and os.path.isdir(KERNELS)
 
 
 class CommandTest(unittest.TestCase):
@@ -67,8 +74,8 @@ class CommandTest(unittest.TestCase):
 
 class Help(CommandTest):
     def test_help_and_version_go_to_stdout(self):
-        for arguments in (["--help"], ["sweep", "--help"], ["trace", "--help"], ["assess", "--help"]):
-            self.assertIn("trebsweep", self.run_program(*arguments).stdout)
+        for command in ([], ["sweep"], ["trace"], ["assess"], ["info"]):
+            self.assertIn("trebsweep", self.run_program(*command, "--help").stdout)
         self.assertRegex(self.run_program("--version").stdout,
                          r"^trebsweep \d+\.\d+\.\d+ \(.+\)\nkernel: .+ \(\d lanes\)\n$")
 
@@ -120,7 +127,7 @@ class BadInput(CommandTest):
         self.assert_refused(["sweep", job], "scene.gravitiy", "counterweight-mass")
         self.assert_refused(["sweep", self.job, "--scene.gravitiy", "9.8"], "scene.gravitiy")
         self.assert_refused(["sweep", self.job, "--overwrit"], "--overwrit")
-        self.assert_refused(["swep", self.job], "swep", "sweep, trace and assess")
+        self.assert_refused(["swep", self.job], "swep", "sweep, trace, assess and info")
 
     def test_job_files_that_are_none(self):
         self.assert_refused(["sweep", "missing.cfg"], "missing.cfg", "No such file")
@@ -155,24 +162,22 @@ class Sweep(CommandTest):
         self.assertEqual(sorted(os.listdir(self.folder)), ["job.cfg", "job.h5"])
 
     def test_maps_are_bitwise_the_same_on_any_number_of_ranks(self):
-        for ranks in (1, 2, 3, 5):
+        for ranks in (1, 2, 3, 5, 16):
             self.run_program("sweep", self.job, *COARSE, "--output.file", f"{ranks}.h5", ranks=ranks)
         with h5py.File(self.path("1.h5")) as alone:
-            for ranks in (2, 3, 5):
+            for ranks in (2, 3, 5, 16):
                 with h5py.File(self.path(f"{ranks}.h5")) as other:
                     for field in ("speed", "release_time", "status"):
                         self.assertEqual(alone[field][...].tobytes(), other[field][...].tobytes())
                     self.assertEqual(alone.attrs["best_speed"], other.attrs["best_speed"])
 
     def test_maps_are_bitwise_the_same_with_avx2_and_avx512(self):
-        kernels = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            if "avx512dq" not in file.read():
-                self.skipTest("this machine lacks AVX-512")
+        if not wide_kernels():
+            self.skipTest("this machine, or this build, lacks AVX-512")
         for stepper in ("euler", "rk4", "cash_karp54", "dopri5", "fehlberg78"):
             maps = []
             for level, name in (("x86-64-v3", "AVX2"), ("x86-64-v4", "AVX-512")):
-                environment = {"LD_LIBRARY_PATH": os.path.join(kernels, level)}
+                environment = {"LD_LIBRARY_PATH": os.path.join(KERNELS, level)}
                 self.assertIn(name, self.run_program("--version", environment=environment).stdout)
                 self.run_program("sweep", self.job, *COARSE, "--solver.stepper", stepper,
                                  "--output.file", "map.h5", "--overwrite", environment=environment)
@@ -182,9 +187,7 @@ class Sweep(CommandTest):
             self.assertEqual(maps[0], maps[1])
 
     def test_effects_and_fields_are_bitwise_the_same_with_avx2_and_avx512_and_on_ranks(self):
-        kernels = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            levels = ["x86-64-v3", "x86-64-v4"] if "avx512dq" in file.read() else [""]
+        levels = ["x86-64-v3", "x86-64-v4"] if wide_kernels() else [""]
         fields = ["speed", "status", "slack", "range", "energy-drift", "peak-sling-tension",
                   "peak-beam-stress", "efficiency", "steps"]
         for scene in ("friction", "heavy_sling", "elastic_sling"):
@@ -196,7 +199,7 @@ class Sweep(CommandTest):
                         "--scene.file", os.path.join(REPOSITORY, "jobs", "scenes", f"{scene}.cfg"),
                         "--output.fields", ", ".join(fields), "--output.file", "map.h5",
                         "--overwrite", ranks=ranks,
-                        environment={"LD_LIBRARY_PATH": os.path.join(kernels, level)})
+                        environment={"LD_LIBRARY_PATH": os.path.join(KERNELS, level)})
                     with h5py.File(self.path("map.h5")) as archive:
                         maps.append([archive[field.replace("-", "_")][...].tobytes()
                                      for field in fields])
@@ -245,7 +248,7 @@ class Sweep(CommandTest):
         with h5py.File(self.path("job.h5")) as file:
             attributes = dict(file.attrs)
         self.assertEqual(attributes["Conventions"], "CF-1.10")
-        self.assertEqual(attributes["format_version"], 1)
+        self.assertEqual(attributes["format_version"], 2)
         self.assertRegex(attributes["source"], r"^trebsweep \d")
         self.assertIn("--scene.gravity 9.81", attributes["history"])
         self.assertIn("gravity = 9.81\n", attributes["job"])
@@ -307,11 +310,14 @@ class ExistingFiles(CommandTest):
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "foreign.h5"],
                             "output.file = foreign.h5", "no archive")
 
-    def test_an_unfinished_sweep_is_kept(self):
+    def test_what_is_no_unfinished_sweep_is_kept_unless_overwritten(self):
         self.write("job.h5.partial", "half of it\n")
-        self.assert_refused(["sweep", self.job, *COARSE], "job.h5.partial", "unfinished")
+        done = self.run_program("sweep", self.job, *COARSE, code=1)
+        self.assertRegex(done.stderr, r"^trebsweep: job\.h5\.partial .* --overwrite\n$")
+        with open(self.path("job.h5.partial"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), "half of it\n")
         self.run_program("sweep", self.job, *COARSE, "--overwrite")
-        self.assertFalse(os.path.exists(self.path("job.h5.partial")))
+        self.assertEqual(sorted(os.listdir(self.folder)), ["job.cfg", "job.h5"])
 
 
 class Trace(CommandTest):

@@ -11,6 +11,11 @@ TEST_CASE("A text of rank 0 reaches every rank") {
   CHECK(mpi::broadcast("", MPI_COMM_WORLD).empty());
 }
 
+TEST_CASE("A value of rank 0 reaches every rank") {
+  const std::array<double, 2> value{0.5 * mpi::rank(MPI_COMM_WORLD), 5};
+  CHECK(mpi::from_root(value, MPI_COMM_WORLD) == std::array<double, 2>{0, 5});
+}
+
 TEST_CASE("Reductions are over all ranks, with the result on all") {
   const int rank = mpi::rank(MPI_COMM_WORLD), size = mpi::size(MPI_COMM_WORLD);
   CHECK(mpi::max(rank, MPI_COMM_WORLD) == size - 1);
@@ -19,6 +24,10 @@ TEST_CASE("Reductions are over all ranks, with the result on all") {
   mpi::sum(values, MPI_COMM_WORLD);
   CHECK(values[0] == static_cast<std::uint64_t>(size));
   CHECK(values[1] == static_cast<std::uint64_t>(size * (size - 1) / 2));
+  CHECK(mpi::sum(0.5, MPI_COMM_WORLD) == 0.5 * size);
+  std::array<double, 2> numbers{0.5, static_cast<double>(rank)};
+  mpi::sum_on_root(numbers, MPI_COMM_WORLD);
+  if (rank == 0) CHECK(numbers == std::array<double, 2>{0.5 * size, size * (size - 1) / 2.0});
 }
 
 TEST_CASE("What rank 0 returns or throws is returned or thrown everywhere") {
@@ -29,9 +38,11 @@ TEST_CASE("What rank 0 returns or throws is returned or thrown everywhere") {
   CHECK_THROWS_AS(
       mpi::on_root(MPI_COMM_WORLD, []() -> std::string { throw InputError("bad key"); }),
       InputError);
-  CHECK_THROWS_WITH(
-      mpi::on_root(MPI_COMM_WORLD, []() -> std::string { throw std::runtime_error("disk"); }),
-      "disk");
+  const auto fail = [] {
+    mpi::on_root(MPI_COMM_WORLD, []() -> std::string { throw std::runtime_error("disk"); });
+  };
+  CHECK_THROWS_WITH(fail(), "disk");
+  CHECK_THROWS_AS(fail(), mpi::RootError);
 }
 
 TEST_CASE("What ranks compute in turn is known to all of them") {

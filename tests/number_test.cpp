@@ -30,3 +30,15 @@ TEST_CASE("A number outside its range is refused by key, value and range") {
   for (const std::string value : {"nan", "inf", "-inf"})
     CHECK_THROWS_AS(to_number("mass", value, positive), InputError);
 }
+
+TEST_CASE("Times are seconds, or said with colons as batch systems do") {
+  const auto seconds = [](const std::string& text) { return to_seconds("time-limit", text); };
+  CHECK(seconds("90") == 90);
+  CHECK(seconds("0.5") == 0.5);
+  CHECK(seconds("1:30") == 90);
+  CHECK(seconds("02:00:05") == 7205);
+  CHECK(seconds("1-12:00:00") == 129600);
+  for (const char* text :
+       {"", "0", "-5", "nan", "1:", ":30", "1-12", "1-12:00", "1:2:3:4", "1-2-3:4:5", "x", "1:-2"})
+    CHECK_THROWS_WITH(seconds(text), contains(std::string("time-limit = ") + text + ": must be"));
+}

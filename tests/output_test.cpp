@@ -30,20 +30,25 @@ Job job_in(const fs::path& path) {
 
 }  // namespace
 
-TEST_CASE("A free place is taken by a partial file") {
+TEST_CASE("A free place is locked, and otherwise left alone") {
   const Folder folder;
-  CHECK(prepare_output(job_in(folder.path / "a.h5"), false));
-  CHECK(fs::exists(folder.path / "a.h5.partial"));
-  CHECK_FALSE(fs::exists(folder.path / "a.h5"));
+  {
+    const Place place = prepare_output(job_in(folder.path / "a.h5"), false);
+    CHECK_FALSE(place.complete);
+    CHECK_FALSE(place.begun);
+    CHECK(place.lock);
+  }
+  CHECK(fs::is_empty(folder.path));
 }
 
-TEST_CASE("An unfinished sweep is kept unless it may be overwritten") {
+TEST_CASE("What is no unfinished sweep is kept unless it may be overwritten") {
   const Folder folder;
   const Job job = job_in(folder.path / "a.h5");
   std::ofstream(folder.path / "a.h5.partial") << "half";
-  CHECK_THROWS_WITH(prepare_output(job, false), contains("unfinished sweep"));
+  CHECK_THROWS_WITH(prepare_output(job, false),
+                    contains("a.h5.partial") && contains("--overwrite"));
   CHECK(fs::file_size(folder.path / "a.h5.partial") == 4);
-  CHECK(prepare_output(job, true));
+  CHECK_FALSE(prepare_output(job, true).begun);
 }
 
 TEST_CASE("What is no archive is never replaced") {

@@ -1,5 +1,7 @@
 #include "trebsweep/summary.hpp"
 
+#include <cmath>
+
 #include "catch.hpp"
 #include "trebsweep/mpi.hpp"
 
@@ -44,16 +46,39 @@ TEST_CASE("An optimum that only one rank has seen is known to all") {
   CHECK(summary.optimum->release_time == 0.9);
 }
 
+TEST_CASE("Tallies of parts add up to that of the whole, by way of the archive too") {
+  Tally parts[3], whole, sum;
+  for (std::uint64_t i = 0; i < 30; ++i) {
+    // Equal speeds in all parts: the first cell of them is the whole's.
+    const Shot shot = i % 7 == 0 ? Shot{0, 0, i, Status::not_released}
+                                 : released(static_cast<double>(i % 5), static_cast<double>(i));
+    parts[2 - i % 3].add(shot, i, i != 4);
+    whole.add(shot, i, i != 4);
+  }
+  for (const Tally& part : parts) sum.add(to_tally(to_row(part)));
+  CHECK(to_row(sum) == to_row(whole));
+  CHECK(sum.best_cell == whole.best_cell);
+  CHECK(to_tally(to_row(Tally{})).best_cell == Tally{}.best_cell);
+}
+
+TEST_CASE("Rows that are no tallies are refused") {
+  for (const double bad : {-1.0, 1e17, std::nan("")}) {
+    TallyRow row{};
+    row[1] = bad;
+    CHECK_THROWS_AS(to_tally(row), std::runtime_error);
+  }
+}
+
 TEST_CASE("Without a release there is no optimum, and the text says so") {
   Tally tally;
   tally.add({0, 0, 1, Status::non_finite}, 0);
   const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
   CHECK_FALSE(summary.optimum);
-  CHECK_THAT(to_text(summary, Job{}, 2), contains("non_finite") && contains("optimum   none"));
+  CHECK_THAT(to_text(summary, Contest::all), contains("non_finite") && contains("optimum   none"));
 }
 
 TEST_CASE("The text gives the optimum's design to the last digit") {
   Summary summary;
   summary.optimum = Optimum{{0.512345678, 0.58, 0.91}, 16.5, 0.9};
-  CHECK_THAT(to_text(summary, Job{}, 1), contains("r1 = 0.512345678, r2 = 0.91, r3 = 0.58 m"));
+  CHECK_THAT(to_text(summary, Contest::all), contains("r1 = 0.512345678, r2 = 0.91, r3 = 0.58 m"));
 }

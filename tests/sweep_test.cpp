@@ -138,7 +138,7 @@ TEST_CASE("Where nothing is released there is no optimum") {
   const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
   REQUIRE(summary);
   CHECK_FALSE(summary->optimum);
-  CHECK_THAT(to_text(*summary, job, 1), contains("optimum   none"));
+  CHECK_THAT(to_text(*summary, job.output.contest), contains("optimum   none"));
 }
 
 TEST_CASE("Only the maps asked for are stored") {
@@ -166,4 +166,54 @@ TEST_CASE("An archive is kept: the same job is done already, another one is refu
   CHECK(std::filesystem::last_write_time(file.path()) == before);
   options.overwrite = true;
   CHECK(sweep(job, options, MPI_COMM_WORLD));
+}
+
+TEST_CASE("A sweep that was stopped again and again ends in the same archive") {
+  const TemporaryFile straight("straight"), stopped("stopped");
+  Job job = coarse_job(straight);
+  const int compression = GENERATE(0, 1);
+  job.output.compression = compression;
+  job.output.fields = {Field::speed, Field::slack};
+  job.output.contest = GENERATE(Contest::all, Contest::taut);
+  job.lattice.r1 = AxisRange{0.4, 1.4, 0.1};
+  constexpr Index3 edge{1, 3, 3};
+  const auto expected = sweep(job, quiet(edge), MPI_COMM_WORLD);
+  REQUIRE(expected);
+  CHECK(expected->complete);
+
+  job.output.file = stopped.path();
+  SweepOptions options = quiet();
+  options.overwrite = false;
+  std::optional<Summary> summary;
+  std::uint64_t before = 0;
+  int runs = 0;
+  do {
+    // The first run is stopped while rank 0 makes the file, the others after a round or two.
+    const int making =
+        root() ? static_cast<int>(2 * Tiling(Lattice(job.scene, job.lattice), edge).size()) : 0;
+    int left = runs == 0 ? 30 : runs == 1 ? making + 5 : 5;
+    options.stop = [&] { return left-- <= 0; };
+    options.tile_edge = runs < 2 ? edge : Index3{7, 7, 7};  // the file has its own from then on
+    summary = sweep(job, options, MPI_COMM_WORLD);
+    REQUIRE(summary);
+    CHECK(summary->designs() >= before);
+    before = summary->designs();
+    ++runs;
+  } while (!summary->complete && runs < 100);
+  CHECK(runs > 3);
+  CHECK(summary->statuses == expected->statuses);
+  CHECK(summary->steps == expected->steps);
+  REQUIRE(summary->optimum.has_value() == expected->optimum.has_value());
+  if (summary->optimum) {
+    CHECK(summary->optimum->speed == expected->optimum->speed);
+    CHECK(summary->optimum->release_time == expected->optimum->release_time);
+    CHECK(summary->optimum->design.r1 == expected->optimum->design.r1);
+  }
+  if (root()) {
+    for (const char* map : {"speed", "slack", "r1", "r3", "r2", "tile_done"}) {
+      const auto a = read_map(straight.path(), map), b = read_map(stopped.path(), map);
+      REQUIRE(std::equal(a.begin(), a.end(), b.begin(), b.end(), same_bits));
+    }
+    CHECK_FALSE(std::filesystem::exists(stopped.path().string() + ".lock"));
+  }
 }

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace trebsweep::hdf5 {
 
@@ -56,11 +57,22 @@ using Properties = Handle<&H5Pclose>;
 /// Texts of any length in UTF-8: what h5py and netCDF read as str.
 Datatype text_type();
 
+/// Writes an attribute; a number that is there already changes in place, so that no more than a few
+/// bytes of the file do.
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, unsigned long long value);
 
-/// The value of a text attribute. Throws std::runtime_error where there is none.
+// What follows reads files of any origin: where something is not of the expected form and size, it
+// throws std::runtime_error.
+
 std::string read_text_attribute(hid_t object, const std::string& name);
+double read_number_attribute(hid_t object, const std::string& name);
+
+/// The extents of a dataset.
+std::vector<hsize_t> extents(hid_t dataset);
+
+/// All values of a dataset whose values lie in the file one after another, last axis fastest.
+std::vector<double> read_numbers(hid_t file, const std::string& name);
 
 }  // namespace trebsweep::hdf5

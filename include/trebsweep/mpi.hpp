@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -30,9 +31,21 @@ int size(MPI_Comm comm);
 /// Rank 0's text, on every rank.
 std::string broadcast(std::string text, MPI_Comm comm);
 
+/// Rank 0's value, on every rank.
+template <class Value>
+Value from_root(Value value, MPI_Comm comm) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  MPI_Bcast(&value, sizeof value, MPI_BYTE, 0, comm);
+  return value;
+}
+
 double max(double value, MPI_Comm comm);
 std::uint64_t min(std::uint64_t value, MPI_Comm comm);
+double sum(double value, MPI_Comm comm);
 void sum(std::span<std::uint64_t> values, MPI_Comm comm);
+
+/// Sums that only rank 0 gets; what the others' values become is left open.
+void sum_on_root(std::span<double> values, MPI_Comm comm);
 
 /// f(0), ..., f(n - 1) on every rank, each computed by one of them in turn.
 template <class F>
@@ -53,9 +66,13 @@ auto share(std::size_t n, MPI_Comm comm, F f) {
   return results;
 }
 
-/// Runs f on rank 0 and gives every rank the text it returns. Where f throws an InputError or
-/// another exception, every rank throws the same kind with the same message, so that all can end
-/// together.
+/// A failure on rank 0 that all ranks know of, and can end together with.
+struct RootError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Runs f on rank 0 and gives every rank the text it returns. Where f throws an InputError, every
+/// rank throws it; where another exception, every rank throws a RootError with its message.
 std::string on_root(MPI_Comm comm, const std::function<std::string()>& f);
 
 }  // namespace trebsweep::mpi

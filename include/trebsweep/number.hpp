@@ -38,4 +38,8 @@ bool parses(std::string_view text, Number& number) {
 /// The number that a key's value says. Throws InputError if it is none, or outside the range.
 double to_number(const std::string& key, const std::string& value, const Range& range);
 
+/// The seconds that a key's value says: 90, 1:30, 2:00:00 or 1-12:00:00. Throws InputError if it
+/// says none.
+double to_seconds(const std::string& key, const std::string& value);
+
 }  // namespace trebsweep

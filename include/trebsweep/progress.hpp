@@ -16,7 +16,8 @@ enum class ProgressStyle {
 /// Progress on stderr, with the time that is left at the pace so far.
 class Progress {
  public:
-  Progress(std::uint64_t total, ProgressStyle style);
+  /// `before`: of the total, done before it begins.
+  Progress(std::uint64_t before, std::uint64_t total, ProgressStyle style);
 
   /// Tells that `done` of the total are done; rate-limited, but the end of a bar is always drawn.
   void update(std::uint64_t done);
@@ -24,7 +25,7 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
 
-  std::uint64_t total_;
+  std::uint64_t before_, total_;
   ProgressStyle style_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point told_ = start_;

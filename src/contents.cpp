@@ -1,0 +1,100 @@
+#include "trebsweep/contents.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "trebsweep/archive.hpp"
+#include "trebsweep/child.hpp"
+#include "trebsweep/hdf5.hpp"
+
+namespace trebsweep {
+namespace {
+
+[[noreturn]] void damaged(const std::string& why) { throw std::runtime_error("damaged: " + why); }
+
+hdf5::File open_file(const std::filesystem::path& path) {
+  hdf5::silence();
+  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open it"};
+}
+
+std::size_t read_edge(hid_t tile_done, const char* name, std::size_t extent) {
+  const double edge = hdf5::read_number_attribute(tile_done, name);
+  if (!(edge >= 1 && edge <= static_cast<double>(extent))) damaged("impossible tiles");
+  return static_cast<std::size_t>(edge);
+}
+
+/// The sum of the first rows, as many as are done.
+Tally read_tally(hid_t file, std::uint64_t tiles, std::uint64_t done, std::uint64_t cells) {
+  const auto values = hdf5::read_numbers(file, "tile_tally");
+  if (values.size() != tiles * tally_columns.size()) damaged("not a tally per tile");
+  Tally sum;
+  for (std::uint64_t t = 0; t < done; ++t) {
+    TallyRow row;
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(t * row.size()), row.size(),
+                row.begin());
+    const Tally tally = to_tally(row);
+    if (tally.designs() == 0) damaged(fmt::format("tile {} is done without a design", t));
+    if (tally.best_speed >= 0 && tally.best_cell >= cells)
+      damaged(fmt::format("tile {} has its best shot outside the lattice", t));
+    sum.add(tally);
+  }
+  return sum;
+}
+
+Contents read(const std::filesystem::path& path) {
+  const hdf5::File file = open_file(path);
+  const double format = hdf5::read_number_attribute(file, "format_version");
+  if (format != archive_format)
+    throw std::runtime_error(
+        fmt::format("format_version {}, while this program reads {}", format, archive_format));
+  Contents contents;
+  contents.job = hdf5::read_text_attribute(file, "job");
+  contents.source = hdf5::read_text_attribute(file, "source");
+  contents.kernel = hdf5::read_text_attribute(file, "kernel");
+  try {
+    contents.history = hdf5::read_text_attribute(file, "history");
+  } catch (const std::runtime_error&) {
+    // A run was killed while it was written: not worth the rest.
+  }
+  contents.axes = {hdf5::read_numbers(file, "r1"), hdf5::read_numbers(file, "r3"),
+                   hdf5::read_numbers(file, "r2")};
+  const hdf5::Dataset tile_done(H5Dopen2(file, "tile_done", H5P_DEFAULT), "open tile_done");
+  std::uint64_t cells = 1;
+  constexpr std::array edges{"edge_r1", "edge_r3", "edge_r2"};
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::size_t extent = contents.axes[d].size();
+    contents.tile_edge[d] = read_edge(tile_done, edges[d], extent);
+    cells *= extent;
+  }
+  const auto done = hdf5::read_numbers(file, "tile_done");
+  contents.tiles = done.size();
+  contents.tiles_done = static_cast<std::uint64_t>(
+      std::find_if(done.begin(), done.end(), [](double flag) { return flag != 1; }) - done.begin());
+  contents.tally = read_tally(file, contents.tiles, contents.tiles_done, cells);
+  return contents;
+}
+
+/// Calls f in a child first: HDF5 crashes on some damaged files, and hangs on others.
+template <class F>
+auto try_first(F f) {
+  if (!survives([&] { f(); }, 30)) damaged("HDF5 fails on it");
+  return f();
+}
+
+}  // namespace
+
+Contents read_contents(const std::filesystem::path& path) {
+  return try_first([&] { return read(path); });
+}
+
+std::optional<std::string> archived_job(const std::filesystem::path& path) {
+  try {
+    return try_first([&] { return hdf5::read_text_attribute(open_file(path), "job"); });
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace trebsweep
