@@ -24,7 +24,7 @@ JOB = os.path.join(REPOSITORY, "jobs", "millimetre.cfg")
 RANKS = (2, 16, 64, 256, 1000, 4000, 10000)
 # Nothing to integrate: what remains is the work around it.
 IDLE = ("--solver.stepper", "euler", "--solver.max-time", "1e-9")
-ROUND_SECONDS, ROUND_BYTES = 1.0, 64 << 20  # as in src/sweep.cpp
+ROUND_SECONDS, ROUND_BYTES = 2.0, 64 << 20  # as in src/sweep.cpp
 CELL_BYTES = 3 * 8                          # of three maps in memory
 
 
