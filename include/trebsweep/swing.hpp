@@ -484,7 +484,7 @@ Work swing_all(const Scene& scene, const Solver& solver, std::span<const Design<
     steps += outcome.steps;
     shots[number] = {shot ? outcome.speed : nan, shot ? outcome.t : nan, outcome.steps,
                      outcome.status};
-    if (!shot) std::fill_n(values.begin() + number * fields.size(), fields.size(), nan);
+    if (!shot) std::ranges::fill(values.subspan(number * fields.size(), fields.size()), nan);
   };
   Swings<Stepper, T, E, decltype(next), decltype(done)> swings(scene, solver, fields, values, next,
                                                                done);
