@@ -116,7 +116,7 @@ std::optional<std::uint64_t> integrate(const Job& job, std::span<const Design<do
                                        const std::vector<Field>& fields, std::span<Shot> shots,
                                        std::span<double> values,
                                        const std::function<bool()>& stop) {
-  std::uint64_t lane_steps = 0, slice = 4096;
+  std::uint64_t lane_steps = 0, slice = 256;
   for (std::size_t first = 0; first < designs.size();) {
     if (stop()) return std::nullopt;
     const std::size_t count = std::min(slice, designs.size() - first);

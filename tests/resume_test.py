@@ -105,6 +105,25 @@ class ResumeTest(unittest.TestCase):
     def run_sweep(self, ranks, *options, codes=(0,), **how):
         return self.finish(self.launch(ranks, *options, **how), codes)
 
+    def stop_on_the_way(self, *options, overwrite=()):
+        """A sweep stopped by its time limit with some tiles done; returns what it wrote to stderr. Machines
+        are not always as fast as when the limit was measured: it is tried until it fits."""
+        limit = self.seconds[()] / 3
+        for _ in range(30):
+            launcher = self.launch(2, *options, *overwrite, "--time-limit", f"{limit:.2f}")
+            errors = self.finish(launcher, codes=(0, 75))
+            if launcher.returncode == 0:
+                limit *= 0.7
+                if not overwrite:
+                    os.remove(self.path("job.h5"))
+                continue
+            if os.path.exists(self.path("job.h5.partial")):
+                with h5py.File(self.path("job.h5.partial")) as partial:
+                    if partial["tile_done"][...].any():
+                        return errors
+            limit *= 1.3
+        self.fail("no time limit stops it on its way")
+
     def straight(self, options):
         return h5py.File(self.path(f"straight{len(options)}.h5"))
 
@@ -234,17 +253,18 @@ class Stops(ResumeTest):
                       after=after)
 
     def test_a_time_limit_stops_with_75_and_the_history_tells_of_each_run(self):
-        limit = f"{self.seconds[()] / 4:.2f}"
-        runs, done = 0, -1
+        self.assert_told_once(self.stop_on_the_way(), "the same command continues")
+        with h5py.File(self.path("job.h5.partial")) as partial:
+            runs = len(partial.attrs["history"].split("\n"))
+        done = self.assert_sound()
         while not os.path.exists(self.path("job.h5")) and runs < 50:
-            launcher = self.launch(2, "--time-limit", limit)
+            launcher = self.launch(2, "--time-limit", f"{self.seconds[()] / 4:.2f}")
             errors = self.finish(launcher, codes=(0, 75))
             runs += 1
             if launcher.returncode == 75:
                 self.assert_stopped(launcher, errors)
                 self.assertGreaterEqual(self.assert_sound(), done)
                 done = self.assert_sound()
-        self.assertGreater(runs, 1)
         self.assertEqual(self.assert_complete(), runs)
 
     def test_slow_designs_do_not_delay_a_stop(self):
@@ -257,11 +277,6 @@ class Stops(ResumeTest):
 
 
 class Partials(ResumeTest):
-    def stopped(self, *options):
-        """A sweep stopped on its way."""
-        self.run_sweep(2, *options, "--time-limit", f"{self.seconds[()] / 3:.2f}", codes=(75,))
-        self.assertGreater(self.assert_sound(), 0)
-
     def partial(self):
         with open(self.path("job.h5.partial"), "rb") as file:
             return file.read()
@@ -274,7 +289,7 @@ class Partials(ResumeTest):
         self.assertFalse(os.path.exists(self.path("job.h5")))
 
     def test_another_job_is_refused_with_the_difference_named(self):
-        self.stopped()
+        self.stop_on_the_way()
         self.assert_refused(2, "scene.gravity = 9.8 there, 9.81 here",
                             "lattice.r1 = none there, 1 here",
                             options=("--scene.gravity", "9.81", "--lattice.r1", "1"))
@@ -284,7 +299,7 @@ class Partials(ResumeTest):
         self.assert_complete()
 
     def test_another_version_is_refused(self):
-        self.stopped()
+        self.stop_on_the_way()
         for name, value in (("source", "trebsweep 0.0.9 (abc)"), ("kernel", "baseline (2 lanes)"),
                             ("format_version", np.uint64(9))):
             with self.subTest(name=name), h5py.File(self.path("job.h5.partial"), "r+") as file:
@@ -295,7 +310,7 @@ class Partials(ResumeTest):
                 file.attrs[name] = kept
 
     def test_a_damaged_one_is_refused(self):
-        self.stopped()
+        self.stop_on_the_way()
         whole = self.partial()
         for damaged in (b"", whole[:7], whole[:5000], whole[:len(whole) // 2], whole[:-1],
                         b"x" * len(whole), whole[:96] + bytes(3000) + whole[3096:]):
@@ -308,7 +323,7 @@ class Partials(ResumeTest):
         self.assert_complete()
 
     def test_tallies_that_cannot_be_are_refused(self):
-        self.stopped()
+        self.stop_on_the_way()
         for column, value in ((1, -1), (1, np.nan), (12, 1e14)):
             with h5py.File(self.path("job.h5.partial"), "r+") as file:
                 kept = file["tile_tally"][0, column]
@@ -318,14 +333,13 @@ class Partials(ResumeTest):
                 file["tile_tally"][0, column] = kept
 
     def test_overwriting_starts_anew(self):
-        self.stopped()
+        self.stop_on_the_way()
         self.run_sweep(2, "--overwrite")
         self.assertEqual(self.assert_complete(), 1)
 
     def test_an_interrupted_replacement_goes_on_without_the_option(self):
         self.run_sweep(2, "--solver.tolerance", "1e-6")
-        limit = f"{self.seconds[()] / 3:.2f}"
-        errors = self.run_sweep(2, "--overwrite", "--time-limit", limit, codes=(75,))
+        errors = self.stop_on_the_way(overwrite=("--overwrite",))
         self.assert_told_once(errors, "without --overwrite")
         self.run_sweep(2)
         self.assertEqual(self.assert_complete(), 2)
@@ -334,14 +348,14 @@ class Partials(ResumeTest):
         options = ("--output.fields", "release-time", "--output.optimum", "taut",
                    "--solver.tolerance", "1e-7")
         self.run_sweep(2, *options, output="other.h5")
-        self.run_sweep(2, *options, "--time-limit", "0.5", codes=(75,))
+        self.stop_on_the_way(*options)
         self.run_sweep(3, *options)
         with h5py.File(self.path("job.h5")) as archive, h5py.File(self.path("other.h5")) as other:
             for name in SUMMARY:
                 self.assertEqual(archive.attrs[name], other.attrs[name])
 
     def test_somebody_who_looks_at_it_does_no_harm(self):
-        self.stopped()
+        self.stop_on_the_way()
         looks = "import h5py, sys; f = h5py.File(sys.argv[1]); print(flush=True); sys.stdin.read()"
         environment = {**os.environ, "HDF5_USE_FILE_LOCKING": "TRUE"}
         with subprocess.Popen([sys.executable, "-c", looks, self.path("job.h5.partial")],
@@ -370,7 +384,7 @@ class Partials(ResumeTest):
                                   capture_output=True, check=False)
             self.assertEqual(done.returncode, code, done.stderr)
             return done.stdout or done.stderr
-        self.stopped()
+        self.stop_on_the_way()
         done = self.assert_sound()
         for name in ("job.h5.partial", "job.h5"):
             self.assertIn("job.h5.partial, interrupted", info(name))

@@ -89,3 +89,23 @@ TEST_CASE("An unknown stepper is refused") {
   REQUIRE_THROWS_AS(with_stepper("leapfrog", []<template <class, Effects = Effects{}> class>(){}),
                     std::logic_error);
 }
+
+TEST_CASE("A swing's first extrapolated step is the same whatever was integrated before") {
+  const Solver solver{.tolerance = 1e-9};
+  const auto first_step = [](auto& stepper, const Motion<double>& motion, double h, auto& to) {
+    const auto from = instant(motion, 0.0, {0.4, -0.3, 1, -2});
+    return try_step(stepper, motion, from, h, to, 1e-9);
+  };
+  const Motion<double> motion(Scene{}, {0.51, 0.58, 0.91}), other(Scene{}, {0.3, 1.5, 0.2});
+  for (const double h : {0.001, 0.01, 0.05, 0.2}) {
+    BulirschStoer<double> fresh(solver), used(solver);
+    Instant<double> expected, to;
+    const auto before = first_step(used, other, h, to);
+    // Odeint's stepper goes on with what it has learned where it gets the step that it wished.
+    const auto wanted = first_step(fresh, motion, before.next, expected);
+    const auto got = first_step(used, motion, before.next, to);
+    CHECK(got.good == wanted.good);
+    CHECK(got.next == wanted.next);
+    CHECK(to.x == expected.x);
+  }
+}

@@ -23,6 +23,7 @@ class BulirschStoer {
 
   /// The trial of try_step().
   Trial<T> try_step(const Motion<T, E>& motion, const Instant<T, E>& from, T h, Instant<T, E>& to) {
+    if (from.t == T(0)) stepper_.reset();  // what it has learned is of another swing
     State<T, E> x = from.x;
     T t = 0, next = h;
     const bool good =
