@@ -31,6 +31,7 @@ struct Row {
   const Case* scene;
   Solver solver;
   Accuracy accuracy;
+  double order;  ///< seen from the row before
 };
 
 std::string stepper_text(const Solver& solver) {
@@ -54,30 +55,40 @@ std::vector<Solver> solvers(const Case& c, const Assessment& assess) {
   return solvers;
 }
 
+/// log(error ratio) / log(ratio of steps) between two rows, if they are of the same ladder.
+double ladder_order(const Row& before, const Row& row) {
+  if (before.scene != row.scene || stepper_text(before.solver) != stepper_text(row.solver))
+    return nan;
+  return std::log(before.accuracy.speed.median / row.accuracy.speed.median) /
+         std::log(row.accuracy.steps / before.accuracy.steps);
+}
+
 std::vector<Row> measure(const std::vector<Case>& cases, const Assessment& assess, MPI_Comm comm) {
   std::vector<Row> rows;
   for (const Case& c : cases)
-    for (const Solver& solver : solvers(c, assess)) rows.push_back({&c, solver, {}});
+    for (const Solver& solver : solvers(c, assess)) rows.push_back({&c, solver, {}, nan});
   const auto results = mpi::share(rows.size(), comm, [&](std::size_t i) {
-    const auto& [c, solver, none] = rows[i];
-    return accuracy(c->job.scene, solver, c->designs, c->references,
+    const Case& c = *rows[i].scene;
+    return accuracy(c.job.scene, rows[i].solver, c.designs, c.references,
                     static_cast<int>(assess.repeats));
   });
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].accuracy = results[i];
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].accuracy = results[i];
+    if (i > 0) rows[i].order = ladder_order(rows[i - 1], rows[i]);
+  }
   return rows;
 }
 
-/// A column with a value of each item.
-template <class Items, class F>
-Column column(const char* name, const char* units, const char* meaning, const Items& items, F f,
-              bool printed = true) {
-  Column c{name, units, meaning, {}, printed};
-  using Value =
-      std::conditional_t<std::is_arithmetic_v<decltype(f(*items.begin()))>, double, std::string>;
-  std::vector<Value> values;
-  for (const auto& item : items) values.push_back(static_cast<Value>(f(item)));
-  c.values = std::move(values);
-  return c;
+/// What adds columns to a table, with a value of each item: add(name, units, meaning, items, f).
+auto adder(Table& table) {
+  return [&](const char* name, const char* units, const char* meaning, const auto& items, auto f,
+             bool printed = true) {
+    using Value =
+        std::conditional_t<std::is_arithmetic_v<decltype(f(*items.begin()))>, double, std::string>;
+    std::vector<Value> values;
+    for (const auto& item : items) values.push_back(static_cast<Value>(f(item)));
+    table.columns.push_back({name, units, meaning, std::move(values), printed});
+  };
 }
 
 /// "24 released, 1 step_budget"
@@ -91,20 +102,10 @@ std::string outcome(const Accuracy& a) {
 
 std::string kind(const Solver& solver) { return is_for_packs(solver.stepper) ? "packs" : "single"; }
 
-/// log(error ratio) / log(ratio of steps) from the row before, if that is of the same ladder.
-double ladder_order(const std::vector<Row>& rows, const Row& row) {
-  if (&row == rows.data()) return nan;
-  const Row& before = *(&row - 1);
-  if (before.scene != row.scene || stepper_text(before.solver) != stepper_text(row.solver))
-    return nan;
-  return std::log(before.accuracy.speed.median / row.accuracy.speed.median) /
-         std::log(row.accuracy.steps / before.accuracy.steps);
-}
-
 Table accuracy_table(const std::vector<Row>& rows) {
   Table table{
       "accuracy", "Errors of each solver on a sample of each scene's designs, and their price", {}};
-  const auto add = [&](auto... args) { table.columns.push_back(column(args...)); };
+  const auto add = adder(table);
   const auto of = [](auto member) { return [=](const Row& r) { return r.accuracy.*member; }; };
   const auto speed = [](auto member) {
     return [=](const Row& r) { return r.accuracy.speed.*member; };
@@ -151,7 +152,7 @@ Table accuracy_table(const std::vector<Row>& rows) {
   add("time_largest", "s", "error of the release time, largest", rows, time(&Spread::largest));
   add("drift", "1", "largest size of the energy drift", rows, of(&Accuracy::drift));
   add("order", "1", "order over steps, from the setting before", rows,
-      [&](const Row& r) { return ladder_order(rows, r); });
+      [](const Row& r) { return r.order; });
   add("steps", "1", "steps tried per design", rows, of(&Accuracy::steps));
   add("evaluations", "1", "right-hand sides per design", rows, of(&Accuracy::evaluations));
   add("seconds", "s", "run time per design", rows, of(&Accuracy::seconds));
@@ -180,7 +181,7 @@ Table outcome_table(const std::vector<Case>& cases, const std::vector<Row>& rows
   for (const Case& c : cases)
     if (c.extreme && c.designs.size() == 1) extremes.push_back(&c);
   if (extremes.empty()) return table;
-  const auto add = [&](auto... args) { table.columns.push_back(column(args...)); };
+  const auto add = adder(table);
   add("scene", "", "scene", extremes, [](const Case* c) { return c->name; });
   add("truth", "", "outcome of the reference", extremes, [](const Case* c) {
     const Reference& r = c->references.front();
@@ -208,7 +209,7 @@ Table reference_table(const std::vector<Case>& cases) {
     for (const Reference& r : c.references) most = std::fmax(most, r.*member);
     return most;
   };
-  const auto add = [&](auto... args) { table.columns.push_back(column(args...)); };
+  const auto add = adder(table);
   add("scene", "", "scene", cases, [](const Case& c) { return c.name; });
   add("designs", "1", "designs of the sample", cases,
       [](const Case& c) { return static_cast<double>(c.designs.size()); });
@@ -240,7 +241,7 @@ Table order_table(const Case& c, const Assessment& assess, MPI_Comm comm) {
     return observed_order(steppers[i], c.job.scene, c.designs, c.references);
   });
   Table table{"order", "Order of convergence with steps of one length, scene " + c.name, {}};
-  const auto add = [&](auto... args) { table.columns.push_back(column(args...)); };
+  const auto add = adder(table);
   add("stepper", "", "stepper", steppers, [](const std::string& s) { return s; });
   add("theory", "1", "order in theory", steppers, order_in_theory);
   add("seen", "1", "order seen, median of the designs", seen, [](double order) { return order; });
@@ -266,7 +267,7 @@ Table growth_table(const Case& c, const Assessment& assess) {
       growths.push_back(growth(stepper, c.job.scene, c.designs.front(), h, time));
     }
   }
-  const auto add = [&](auto... args) { table.columns.push_back(column(args...)); };
+  const auto add = adder(table);
   add("stepper", "", "stepper", steppers, [](const std::string& s) { return s; });
   add("step", "s", "length of all steps", steps, [](double h) { return h; });
   add("rate", "rad s-1", "rate of the fastest mode", growths,
@@ -317,7 +318,7 @@ Table stability_table(const std::vector<Case>& cases, const Assessment& assess, 
   });
   Table table{
       "stability", "The largest step that is stable, on the stiffest design of each scene", {}};
-  const auto add = [&](auto... args) { table.columns.push_back(column(args...)); };
+  const auto add = adder(table);
   add("scene", "", "scene", places, [](const Place& p) { return p.scene->name; });
   add("stepper", "", "stepper", places, [](const Place& p) { return p.stepper; });
   add("stiffness", "s-1", "largest modulus of an eigenvalue", results,
@@ -351,7 +352,7 @@ Table lattice_table(const Case& c, const std::vector<Row>& rows, const Assessmen
   for (const Solver& solver : solvers)
     errors.push_back(lattice_error(c.job.scene, solver, designs, truth, comm));
 
-  const auto add = [&](auto... args) { table.columns.push_back(column(args...)); };
+  const auto add = adder(table);
   const auto of = [](auto member) { return [=](const LatticeError& e) { return e.*member; }; };
   const auto speed = [](auto member) {
     return [=](const LatticeError& e) { return e.speed.*member; };
@@ -395,7 +396,7 @@ Table advice_table(const std::vector<Case>& cases, const std::vector<Row>& rows,
     names.push_back(c.name);
     cheapest.push_back(best);
   }
-  const auto add = [&](auto... args) { table.columns.push_back(column(args...)); };
+  const auto add = adder(table);
   add("scene", "", "scene", names, [](const std::string& name) { return name; });
   add("stepper", "", "stepper", cheapest,
       [](const Row* r) { return r ? r->solver.stepper : std::string("none of these"); });
