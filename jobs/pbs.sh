@@ -31,6 +31,9 @@ refuse() {
   exit 2
 }
 
+# PBS runs a job again whose node has failed: that goes on with what is there.
+runs=$(qstat -f "$PBS_JOBID" | sed -n 's/^ *run_count = //p')
+[[ ${runs:-1} -le 1 ]] || options=${options//--overwrite/}
 read -ra files <<<"${jobs:-}"
 read -ra arguments <<<"${options:-}"
 restart=${restart:-0}

@@ -37,7 +37,8 @@ export HWLOC_HIDE_ERRORS=2 # its complaints where /sys is not mounted
 [[ $(id -u) -ne 0 ]] || export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 
 mkdir -p results
-name=$(basename "${job%.*}")
+name=$(basename "$job")
+name=${name%.*}
 archive=results/$name.h5
 mpirun -n "$ranks" $program sweep "$job" --output.file "$archive" "$@"
 

@@ -1,6 +1,7 @@
 #include "trebsweep/archive.hpp"
 
 #include <fcntl.h>
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <hdf5_hl.h>
@@ -11,6 +12,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <numeric>
 #include <stdexcept>
 
@@ -182,11 +184,11 @@ void take_place([[maybe_unused]] const std::filesystem::path& path) {
 #ifdef __linux__
   const int file = open(path.c_str(), O_WRONLY);
   const auto size = static_cast<off_t>(std::filesystem::file_size(path));
-  const bool full = file >= 0 && fallocate(file, 0, 0, size) != 0 && errno == ENOSPC;
+  const int error = file >= 0 && fallocate(file, 0, 0, size) != 0 ? errno : 0;
   if (file >= 0) close(file);
-  if (full)
+  if (error == ENOSPC || error == EDQUOT || error == EFBIG)
     throw std::runtime_error(
-        fmt::format("cannot take {} bytes for {}: {}", size, path.string(), std::strerror(ENOSPC)));
+        fmt::format("cannot take {} bytes for {}: {}", size, path.string(), std::strerror(error)));
 #endif
 }
 
@@ -352,6 +354,11 @@ void write_in(const std::filesystem::path& path, F f) {
 }
 
 }  // namespace
+
+std::string history_line(const std::string& command, std::uint64_t ranks) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {} ({} ranks)", fmt::gmtime(std::time(nullptr)),
+                     command, ranks);
+}
 
 std::filesystem::path partial_path(const std::filesystem::path& path) {
   return path.string() + ".partial";

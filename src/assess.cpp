@@ -1,21 +1,19 @@
 #include "trebsweep/assess.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <limits>
 
 #include "trebsweep/accuracy.hpp"
 #include "trebsweep/archive.hpp"
 #include "trebsweep/cases.hpp"
-#include "trebsweep/contents.hpp"
-#include "trebsweep/error.hpp"
+#include "trebsweep/hdf5.hpp"
 #include "trebsweep/lattice_error.hpp"
 #include "trebsweep/mpi.hpp"
+#include "trebsweep/output.hpp"
 #include "trebsweep/sample.hpp"
 #include "trebsweep/stability.hpp"
 #include "trebsweep/steppers.hpp"
@@ -190,7 +188,10 @@ Table outcome_table(const std::vector<Case>& cases, const std::vector<Row>& rows
   });
   std::vector<std::string> steppers;
   for (const Row& row : rows)
-    if (row.scene == extremes.front()) steppers.push_back(stepper_text(row.solver));
+    if (const std::string stepper = stepper_text(row.solver);
+        row.scene == extremes.front() &&
+        std::find(steppers.begin(), steppers.end(), stepper) == steppers.end())
+      steppers.push_back(stepper);
   for (const std::string& stepper : steppers)
     add(stepper.c_str(), "", "outcome with this stepper", extremes, [&](const Case* c) {
       const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) {
@@ -357,8 +358,7 @@ Table lattice_table(const Case& c, const std::vector<Row>& rows, const Assessmen
   const auto speed = [](auto member) {
     return [=](const LatticeError& e) { return e.speed.*member; };
   };
-  add("stepper", "", "stepper", solvers,
-      [](const Solver& s) { return s.stepper + (s.release == Release::window ? ", window" : ""); });
+  add("stepper", "", "stepper", solvers, stepper_text);
   add("setting", "", "step or tolerance", solvers, setting_text);
   add("seconds", "s", "integration of the lattice, the slowest rank's", errors,
       of(&LatticeError::seconds));
@@ -399,7 +399,7 @@ Table advice_table(const std::vector<Case>& cases, const std::vector<Row>& rows,
   const auto add = adder(table);
   add("scene", "", "scene", names, [](const std::string& name) { return name; });
   add("stepper", "", "stepper", cheapest,
-      [](const Row* r) { return r ? r->solver.stepper : std::string("none of these"); });
+      [](const Row* r) { return r ? stepper_text(r->solver) : std::string("none of these"); });
   add("setting", "", "step or tolerance", cheapest,
       [](const Row* r) { return r ? setting_text(r->solver) : std::string(); });
   add("error_largest", "m s-1", "error of the speed, largest", cheapest,
@@ -409,34 +409,16 @@ Table advice_table(const std::vector<Case>& cases, const std::vector<Row>& rows,
   return table;
 }
 
-/// Refuses an output that cannot be written, or is there already; not collective.
-void check_output(const Job& job, bool overwrite) {
-  namespace fs = std::filesystem;
-  const fs::path path = job.output.file;
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::error_code unknown;
-  if (!fs::is_directory(folder, unknown))
-    throw InputError(fmt::format("output.file = {}: {} is no folder; make it, or name another",
-                                 path.string(), folder.string()));
-  if (fs::is_directory(path, unknown))
-    throw InputError(fmt::format("output.file = {}: is a folder; name a file", path.string()));
-  if (fs::exists(path, unknown) && !(overwrite && archived_job(path)))
-    throw InputError(fmt::format("output.file = {}: is there already; name another file{}",
-                                 path.string(),
-                                 archived_job(path) ? ", or replace it with --overwrite" : ""));
-}
-
 void write_file(const std::vector<Table>& tables, const Job& job, const AssessOptions& options,
-                int ranks) {
-  const auto partial = partial_path(job.output.file).string() + ".new";  // no unfinished sweep
+                std::uint64_t ranks) {
+  const auto partial =
+      partial_path(job.output.file).string() + ".new";  // the lock keeps others from it
   const std::string what = "write " + partial;
   hdf5::silence();
   hdf5::File file(H5Fcreate(partial.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), what);
   hdf5::write_attribute(file, "title", std::string("Trebuchet assessment"));
   hdf5::write_attribute(file, "source", version_text());
-  hdf5::write_attribute(file, "history",
-                        fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {} ({} ranks)",
-                                    fmt::gmtime(std::time(nullptr)), options.command, ranks));
+  hdf5::write_attribute(file, "history", history_line(options.command, ranks));
   hdf5::write_attribute(file, "job", to_text(job, true));
   for (const Table& table : tables) write(file, table);
   file.close(what);
@@ -451,10 +433,8 @@ std::vector<Table> assess(const Job& job, const AssessOptions& options, MPI_Comm
   const auto tell = [&](const std::string& what) {
     if (root && options.progress) fmt::print(stderr, "{:6.1f} s  {}\n", MPI_Wtime() - begin, what);
   };
-  mpi::on_root(comm, [&] {
-    check_output(job, options.overwrite);
-    return std::string();
-  });
+  std::unique_ptr<FileLock> lock;  // on rank 0 alone
+  mpi::on_root(comm, [&] { lock = reserve_output(job, options.overwrite); });
   std::vector<Case> cases = make_cases(job, comm);
   tell("references in quadruple precision");
   refer(cases, comm);
@@ -476,10 +456,8 @@ std::vector<Table> assess(const Job& job, const AssessOptions& options, MPI_Comm
   tell("the whole lattice");
   tables.push_back(lattice_table(cases.front(), rows, job.assess, comm));
   tables.push_back(advice_table(cases, rows, job.assess.target_error));
-  mpi::on_root(comm, [&] {
-    write_file(tables, job, options, mpi::size(comm));
-    return std::string();
-  });
+  mpi::on_root(
+      comm, [&] { write_file(tables, job, options, static_cast<std::uint64_t>(mpi::size(comm))); });
   tell("done");
   return tables;
 }

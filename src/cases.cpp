@@ -8,6 +8,7 @@
 #include "trebsweep/accuracy.hpp"
 #include "trebsweep/integrate.hpp"
 #include "trebsweep/lattice.hpp"
+#include "trebsweep/load_job.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/sample.hpp"
 
@@ -60,9 +61,8 @@ std::vector<Case> make_cases(const Job& job, MPI_Comm comm) {
   std::vector<Case> cases;
   const auto add = [&](const std::vector<std::string>& paths, bool extreme) {
     for (const std::string& path : paths) {
-      const std::string text = mpi::on_root(comm, [&] { return read_job_file(path); });
       cases.push_back(make_case(std::filesystem::path(path).stem().string(),
-                                parse_job(text, path, {}), extreme, job.assess.designs, comm));
+                                load_job(path, {}, comm), extreme, job.assess.designs, comm));
     }
   };
   add(job.assess.scenes, false);

@@ -36,6 +36,8 @@ bool survives(const std::function<void()>& f, unsigned seconds) {
   int status = 0;
   while (waitpid(child, &status, 0) < 0)
     if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "waitpid");
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM)
+    throw std::system_error(ETIMEDOUT, std::generic_category());
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <stdexcept>
+#include <system_error>
 
 #include "trebsweep/archive.hpp"
 #include "trebsweep/child.hpp"
@@ -17,6 +19,15 @@ namespace {
 hdf5::File open_file(const std::filesystem::path& path) {
   hdf5::silence();
   return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open it"};
+}
+
+/// A text attribute that can be shown: damage can be anything, and a terminal obeys control
+/// characters.
+std::string read_text(hid_t file, const std::string& name) {
+  std::string text = hdf5::read_text_attribute(file, name);
+  const auto is_control = [](unsigned char c) { return std::iscntrl(c) && c != '\n' && c != '\t'; };
+  if (std::any_of(text.begin(), text.end(), is_control)) damaged(name + " is no text");
+  return text;
 }
 
 std::size_t read_edge(hid_t tile_done, const char* name, std::size_t extent) {
@@ -50,11 +61,11 @@ Contents read(const std::filesystem::path& path) {
     throw std::runtime_error(
         fmt::format("format_version {}, while this program reads {}", format, archive_format));
   Contents contents;
-  contents.job = hdf5::read_text_attribute(file, "job");
-  contents.source = hdf5::read_text_attribute(file, "source");
-  contents.kernel = hdf5::read_text_attribute(file, "kernel");
+  contents.job = read_text(file, "job");
+  contents.source = read_text(file, "source");
+  contents.kernel = read_text(file, "kernel");
   try {
-    contents.history = hdf5::read_text_attribute(file, "history");
+    contents.history = read_text(file, "history");
   } catch (const std::runtime_error&) {
     // A run was killed while it was written: not worth the rest.
   }
@@ -78,20 +89,30 @@ Contents read(const std::filesystem::path& path) {
 
 /// Calls f in a child first: HDF5 crashes on some damaged files, and hangs on others.
 template <class F>
-auto try_first(F f) {
-  if (!survives([&] { f(); }, 30)) damaged("HDF5 fails on it");
+auto try_first(const std::filesystem::path& path, F f) {
+  constexpr unsigned patience = 60;  // s: a file system may be slow
+  try {
+    if (!survives([&] { f(); }, patience)) damaged("HDF5 fails on it");
+  } catch (const std::system_error& error) {
+    throw std::system_error(error.code(), "cannot read " + path.string());
+  }
   return f();
 }
 
 }  // namespace
 
 Contents read_contents(const std::filesystem::path& path) {
-  return try_first([&] { return read(path); });
+  return try_first(path, [&] { return read(path); });
 }
 
-std::optional<std::string> archived_job(const std::filesystem::path& path) {
+std::optional<Archived> archived_job(const std::filesystem::path& path) {
   try {
-    return try_first([&] { return hdf5::read_text_attribute(open_file(path), "job"); });
+    return try_first(path, [&] {
+      const hdf5::File file = open_file(path);
+      return Archived{read_text(file, "job"), H5Lexists(file, "tile_done", H5P_DEFAULT) > 0};
+    });
+  } catch (const std::system_error&) {
+    throw;  // nothing is known of the file
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }

@@ -81,7 +81,7 @@ FileLock::~FileLock() {
 }
 
 std::optional<std::string> lock_holder(const std::filesystem::path& path) {
-  const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return std::nullopt;
   struct flock whole = whole_file();
   const bool held = fcntl(file, F_GETLK, &whole) == 0 && whole.l_type != F_UNLCK;

@@ -120,9 +120,13 @@ Key steppers_key() {
   const std::string name = "assess.steppers";
   return {name, fmt::format("a list of {}", fmt::join(stepper_names, ", ")),
           [=](Job& job, const std::string& value) {
-            job.assess.steppers.clear();
-            for (const std::string& word : to_words(value))
-              job.assess.steppers.emplace_back(stepper_names[to_choice(name, word, stepper_names)]);
+            std::vector<std::string> steppers;
+            for (const std::string& word : to_words(value)) {
+              steppers.emplace_back(stepper_names[to_choice(name, word, stepper_names)]);
+              if (std::count(steppers.begin(), steppers.end(), word) > 1)
+                refuse(name, value, "a list without repetition");
+            }
+            job.assess.steppers = steppers;
           },
           [](const Job& job) { return fmt::format("{}", fmt::join(job.assess.steppers, ", ")); }};
 }
@@ -416,7 +420,6 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
   options.add_options()(scene_file.c_str(), po::value<std::string>());
   const auto given = parse_text(text, name, options);
   Job job;
-  job.output.file = std::filesystem::path(name).stem().string() + ".h5";
   if (overrides.count(scene_file))
     set_scene(job, overrides.at(scene_file));
   else if (given.count(scene_file))
@@ -425,7 +428,11 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
   for (const Key& key : job_keys()) {
     const auto override = overrides.find(key.name);
     const bool overridden = override != overrides.end();
-    if (!overridden && !given.count(key.name)) continue;
+    if (!overridden && !given.count(key.name)) {
+      if (key.name == "output.file")
+        key.set(job, std::filesystem::path(name).stem().string() + ".h5");
+      continue;
+    }
     key.set(job, overridden ? override->second : given[key.name].as<std::string>());
     release_given = release_given || key.name == "solver.release";
     tolerance_given = tolerance_given || key.name == "solver.tolerance";
@@ -471,6 +478,7 @@ std::string to_text(const Job& job, bool with_assessment) {
   for (const Key& key : job_keys()) {
     const std::string value = key.get(job);
     if (value.empty() || (section_of(key.name) == "assess" && !with_assessment)) continue;
+    if (key.name == "solver.tolerance" && job.solver.target_error > 0) continue;  // not chosen yet
     if (section != section_of(key.name)) {
       section = section_of(key.name);
       text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section);

@@ -16,10 +16,10 @@
 #include "trebsweep/error.hpp"
 #include "trebsweep/info.hpp"
 #include "trebsweep/kernel.hpp"
+#include "trebsweep/load_job.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/stop_signals.hpp"
 #include "trebsweep/sweep.hpp"
-#include "trebsweep/tolerance.hpp"
 #include "trebsweep/trace.hpp"
 #include "trebsweep/version.hpp"
 
@@ -36,9 +36,10 @@ void print_summary(const Summary& summary, const Job& job) {
 }
 
 /// Returns the exit code.
-int run_sweep(const CommandLine& line, const Job& job, const std::string& command) {
+int run_sweep(const CommandLine& line, const std::string& command) {
   const double deadline = MPI_Wtime() + line.time_limit;
   const StopSignals signals;
+  const Job job = load_job(line.job_file, line.overrides, MPI_COMM_WORLD);
   const SweepOptions options{
       .overwrite = line.overwrite, .progress = line.progress, .command = command, .stop = [&] {
         return signals.came() || MPI_Wtime() >= deadline;
@@ -85,17 +86,9 @@ int run(int argc, char** argv) {
       fmt::print("{}\nkernel: {}\n", version_text(), instruction_set());
     return 0;
   }
-  const std::string text =
-      mpi::on_root(MPI_COMM_WORLD, [&] { return read_job_file(line.job_file); });
-  Job job = parse_job(text, line.job_file, line.overrides);
-  if (job.solver.target_error > 0) {
-    job.solver.tolerance = std::stod(
-        mpi::on_root(MPI_COMM_WORLD, [&] { return fmt::format("{}", tolerance_for_target(job)); }));
-    job.solver.target_error = 0;  // settled
-    if (root) fmt::print(stderr, "tolerance {:.2g}\n", job.solver.tolerance);
-  }
   const std::string command = fmt::format("{}", fmt::join(std::span(argv, argv + argc), " "));
-  if (line.command == Command::sweep) return run_sweep(line, job, command);
+  if (line.command == Command::sweep) return run_sweep(line, command);
+  const Job job = load_job(line.job_file, line.overrides, MPI_COMM_WORLD);
   if (line.command == Command::assess)
     run_assess(line, job, command);
   else if (root)

@@ -55,7 +55,7 @@ void sum_on_root(std::span<double> values, MPI_Comm comm) {
              static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, 0, comm);
 }
 
-std::string on_root(MPI_Comm comm, const std::function<std::string()>& f) {
+std::string text_of_root(MPI_Comm comm, const std::function<std::string()>& f) {
   // The first character tells a result from the two kinds of failure.
   std::string message;
   if (rank(comm) == 0) {
@@ -72,6 +72,10 @@ std::string on_root(MPI_Comm comm, const std::function<std::string()>& f) {
   if (message[0] == '!') throw InputError(text);
   if (message[0] == '?') throw RootError(text);
   return text;
+}
+
+void on_root(MPI_Comm comm, const std::function<void()>& f) {
+  text_of_root(comm, [&] { return f(), std::string(); });
 }
 
 }  // namespace trebsweep::mpi

@@ -16,12 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The keys in which two jobs differ, but for where their maps go, with both values.
+/// The keys in which two jobs' maps differ, but for where they go, with both values.
 std::vector<std::string> differences(const Job& here, const Job& there) {
   std::vector<std::string> found;
   for (const Key& key : job_keys()) {
     const std::string mine = key.get(here), other = key.get(there);
-    if (key.name == "output.file" || mine == other) continue;
+    if (key.name == "output.file" || key.name.starts_with("assess.") || mine == other) continue;
     const auto said = [](const std::string& value) { return value.empty() ? "none" : value; };
     found.push_back(fmt::format("{} = {} there, {} here", key.name, said(other), said(mine)));
   }
@@ -29,16 +29,13 @@ std::vector<std::string> differences(const Job& here, const Job& there) {
 }
 
 /// Whether two jobs make the same maps in the same form.
-bool same_job(const Job& job, const std::string& archived) {
+bool same_job(const Job& job, const Archived& archived) {
   try {
-    return differences(job, parse_job(archived, "archived", {})).empty();
+    return archived.is_sweep && differences(job, parse_job(archived.job, "archived", {})).empty();
   } catch (const InputError&) {
     return false;  // made by a version with other keys
   }
 }
-
-/// Whether an instruction set has the fused multiply-add, which changes last digits.
-bool fuses(std::string_view kernel) { return !kernel.starts_with("baseline"); }
 
 /// Reads the partial file of the job. Throws InputError where it is that of another one, and
 /// std::runtime_error where this program cannot continue it.
@@ -46,6 +43,8 @@ Contents read_begun(const Job& job, const fs::path& partial) {
   const auto readable = [&](const auto& f) {
     try {
       return f();
+    } catch (const std::system_error&) {
+      throw;  // nothing is known of the file
     } catch (const std::runtime_error& error) {
       throw std::runtime_error(
           fmt::format("{}: {}; it cannot be continued: remove it, or start anew with --overwrite",
@@ -84,41 +83,55 @@ Contents read_begun(const Job& job, const fs::path& partial) {
   throw InputError(fmt::format("output.file = {}: {}", job.output.file, why));
 }
 
-/// Whether the archive of this very job is there already.
-bool is_complete(const Job& job, bool overwrite) {
+/// The archive that is there already, which `overwrite` allows to replace. Throws InputError where
+/// something else is there.
+std::optional<Archived> find_archive(const Job& job) {
   std::error_code unknown;  // what cannot be asked about cannot be written either
-  if (!fs::exists(job.output.file, unknown)) return false;
-  const auto archived = archived_job(job.output.file);
-  if (!archived)
-    refuse_file(job, "is there already and is no archive of a sweep; name another file");
-  if (overwrite) return false;
-  if (same_job(job, *archived)) return true;
-  refuse_file(
-      job, "holds the archive of another job; name another file, or replace it with --overwrite");
+  if (!fs::exists(job.output.file, unknown)) return std::nullopt;
+  auto archived = archived_job(job.output.file);
+  if (!archived) refuse_file(job, "is there already and is no archive; name another file");
+  return archived;
 }
 
-std::unique_ptr<FileLock> take_lock(const Job& job, const fs::path& folder) {
+/// Whether the archive of this very job is there already.
+bool is_complete(const Job& job, bool overwrite) {
+  const auto archived = find_archive(job);
+  if (!archived || overwrite) return false;
+  if (same_job(job, *archived)) return true;
+  refuse_file(job,
+              fmt::format("holds {}; name another file, or replace it with --overwrite",
+                          archived->is_sweep ? "the archive of another job" : "an assessment"));
+}
+
+fs::path folder_of(const Job& job) {
+  const fs::path path = job.output.file;
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+void check_folder(const Job& job) {
+  std::error_code unknown;
+  const fs::path folder = folder_of(job);
+  if (!fs::is_directory(folder, unknown))
+    refuse_file(job, fmt::format("{} is no folder; make it, or name another", folder.string()));
+  if (fs::is_directory(job.output.file, unknown)) refuse_file(job, "is a folder; name a file");
+}
+
+std::unique_ptr<FileLock> take_lock(const Job& job) {
   try {
     return std::make_unique<FileLock>(job.output.file + ".lock");
   } catch (const InputError& held) {
-    refuse_file(job, fmt::format("another sweep is writing it: {}", held.what()));
+    refuse_file(job, fmt::format("another run is writing it: {}", held.what()));
   } catch (const std::system_error& error) {
-    refuse_file(job,
-                fmt::format("cannot write in {}: {}", folder.string(), error.code().message()));
+    refuse_file(job, fmt::format("cannot write in {}: {}", folder_of(job).string(),
+                                 error.code().message()));
   }
 }
 
 }  // namespace
 
 Place prepare_output(const Job& job, bool overwrite) {
-  const fs::path path = job.output.file;
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const fs::path partial = partial_path(path);
-  std::error_code unknown;
-  if (!fs::is_directory(folder, unknown))
-    refuse_file(job, fmt::format("{} is no folder; make it, or name another", folder.string()));
-  if (fs::is_directory(path, unknown)) refuse_file(job, "is a folder; name a file");
-
+  check_folder(job);
+  const fs::path partial = partial_path(job.output.file);
   Place place;
   const auto look = [&] {
     // Under another archive's name there is an unfinished one only where that may be replaced.
@@ -128,14 +141,25 @@ Place prepare_output(const Job& job, bool overwrite) {
     return !place.complete;
   };
   if (!look()) return place;
-  place.lock = take_lock(job, folder);
+  place.lock = take_lock(job);
   // Another sweep may have finished meanwhile.
   if (!look()) {
     place.lock.reset();
     return place;
   }
-  if (!overwrite && fs::exists(partial, unknown)) place.begun = read_begun(job, partial);
+  if (!overwrite && fs::exists(partial)) place.begun = read_begun(job, partial);
   return place;
+}
+
+std::unique_ptr<FileLock> reserve_output(const Job& job, bool overwrite) {
+  check_folder(job);
+  auto lock = take_lock(job);
+  if (find_archive(job) && !overwrite)
+    refuse_file(job, "is there already; name another file, or replace it with --overwrite");
+  if (const auto partial = partial_path(job.output.file); fs::exists(partial))
+    refuse_file(job,
+                fmt::format("{} holds an unfinished sweep; name another file", partial.string()));
+  return lock;
 }
 
 }  // namespace trebsweep

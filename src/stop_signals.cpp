@@ -31,6 +31,7 @@ StopSignals::StopSignals() {
 
 StopSignals::~StopSignals() {
   for (const int number : stop_signals) handle(number, SIG_DFL);
+  handle(SIGUSR1, SIG_IGN);  // what it asks for is done
   handle(SIGXFSZ, SIG_DFL);
 }
 

@@ -1,11 +1,9 @@
 #include "trebsweep/sweep.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <iterator>
 #include <limits>
@@ -116,7 +114,7 @@ std::optional<std::uint64_t> integrate(const Job& job, std::span<const Design<do
                                        const std::vector<Field>& fields, std::span<Shot> shots,
                                        std::span<double> values,
                                        const std::function<bool()>& stop) {
-  std::uint64_t lane_steps = 0, slice = 256;
+  std::uint64_t lane_steps = 0, slice = 16;
   for (std::size_t first = 0; first < designs.size();) {
     if (stop()) return std::nullopt;
     const std::size_t count = std::min(slice, designs.size() - first);
@@ -136,7 +134,6 @@ std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>
                                                  const Job& job, const Lattice& lattice,
                                                  const std::function<bool()>& stop) {
   if (stop()) return std::nullopt;
-  // All at once: lanes run dry at the end only.
   std::vector<Design<double>> designs;
   for (const auto& [number, tile] : tiles)
     for_each_design(lattice, tile,
@@ -226,9 +223,15 @@ std::vector<TallyRow> gather(const std::vector<NumberedTile>& tiles,
   return rows;
 }
 
-std::string history_line(const SweepOptions& options, std::uint64_t ranks) {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {} ({} ranks)", fmt::gmtime(std::time(nullptr)),
-                     options.command, ranks);
+/// Refuses ranks whose kernels differ in last digits: a map's would depend on who computed it.
+/// Collective.
+void check_kernels(MPI_Comm comm) {
+  const double fused = fuses(instruction_set()) ? 1 : 0;
+  if (mpi::max(fused, comm) + mpi::max(-fused, comm) != 0)
+    throw mpi::RootError(
+        "some ranks are on machines with the fused multiply-add and some on machines without: "
+        "their "
+        "results differ in last digits; use nodes of one kind");
 }
 
 Attributes attributes(const Summary& summary) {
@@ -284,7 +287,7 @@ std::uint64_t next_batch(std::uint64_t batch, double round_seconds, std::size_t 
 /// Where a sweep stands before its first round.
 struct Start {
   bool complete = false;   ///< the archive is there already
-  bool stopped = false;    ///< told to stop before the partial file was made
+  bool stopped = false;    ///< told to stop while the partial file was made
   Index3 edge{};           ///< of the tiles
   std::uint64_t done = 0;  ///< tiles that earlier runs have done
 };
@@ -300,8 +303,11 @@ Start find_or_make(const Job& job, const Lattice& lattice, const SweepOptions& o
     tally = place.begun->tally;
     continue_partial(job.output.file, Tiling(lattice, start.edge), maps, start.done, history);
   } else if (!place.complete) {
+    // Where an archive is replaced, the command that continues is another one, without --overwrite:
+    // only once there is something to continue.
+    const auto stop = [&] { return !options.overwrite && options.stop(); };
     start.stopped = !create_partial(job.output.file, lattice, Tiling(lattice, start.edge), maps,
-                                    job.output.compression, attributes(job, history), options.stop);
+                                    job.output.compression, attributes(job, history), stop);
   }
   return start;
 }
@@ -317,10 +323,10 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   Place place;
   Tally tally;
   Start start;
+  check_kernels(comm);
   mpi::on_root(comm, [&] {
     place = prepare_output(job, options.overwrite);
-    start = find_or_make(job, lattice, options, place, history_line(options, ranks), tally);
-    return std::string();
+    start = find_or_make(job, lattice, options, place, history_line(options.command, ranks), tally);
   });
   start = mpi::from_root(start, comm);
   if (start.complete) return std::nullopt;
@@ -370,7 +376,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   summary.complete = next == tiling.size();
   if (summary.complete) archive.write(attributes(summary));
   archive.close();
-  if (summary.complete) mpi::on_root(comm, [&] { return finish(job.output.file), std::string(); });
+  if (summary.complete) mpi::on_root(comm, [&] { finish(job.output.file); });
   return summary;
 }
 

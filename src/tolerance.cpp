@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "trebsweep/accuracy.hpp"
+#include "trebsweep/error.hpp"
 #include "trebsweep/integrate.hpp"
 #include "trebsweep/number.hpp"
 #include "trebsweep/sample.hpp"
@@ -41,6 +42,11 @@ double tolerance_for_target(const Job& job) {
     else if (chosen > 0)
       break;
   }
+  if (!std::isfinite(smallest))
+    throw InputError(
+        "solver.target-error: some designs are a shot only with some of the tolerances, or none "
+        "within "
+        "solver.max-steps; give solver.tolerance instead");
   if (chosen == 0)
     refuse("solver.target-error", fmt::format("{}", job.solver.target_error),
            fmt::format("at least {:.1g} m/s, which {} can reach in this scene", smallest,

@@ -186,6 +186,16 @@ class Sweep(CommandTest):
                                  for field in ("speed", "release_time", "status")])
             self.assertEqual(maps[0], maps[1])
 
+    @unittest.skipUnless(wide_kernels(), "needs kernels with and without FMA")
+    def test_ranks_on_unlike_machines_are_refused(self):
+        rank = [PROGRAM, "sweep", self.job, *COARSE]
+        old = ["env", "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX512F,-AVX2", *rank]
+        done = subprocess.run([MPIEXEC, "-n", "1", *rank, ":", "-n", "1", *old], cwd=self.folder,
+                              text=True, capture_output=True, timeout=120, check=False)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("trebsweep: some ranks are on machines with", done.stderr)
+        self.assertEqual(os.listdir(self.folder), ["job.cfg"])
+
     def test_effects_and_fields_are_bitwise_the_same_with_avx2_and_avx512_and_on_ranks(self):
         levels = ["x86-64-v3", "x86-64-v4"] if wide_kernels() else [""]
         fields = ["speed", "status", "slack", "range", "energy-drift", "peak-sling-tension",
@@ -379,6 +389,18 @@ class Assess(CommandTest):
     def test_the_jobs_own_scene_where_none_is_named(self):
         done = self.run_program("assess", self.job, *self.SMALL, ranks=2)
         self.assertIn("scene job", done.stdout)
+
+    def test_an_assessment_is_not_taken_for_its_jobs_sweep_nor_a_sweep_replaced(self):
+        self.run_program("assess", self.job, *self.SMALL)
+        self.assert_refused(["sweep", self.job, *self.SMALL], "job.h5", "holds an assessment")
+        self.run_program("sweep", self.job, *self.SMALL, "--overwrite")
+        done = self.run_program("sweep", self.job, *self.SMALL, ranks=2)
+        self.assertIn("complete archive of this job", done.stderr)
+        self.assert_refused(["assess", self.job, *self.SMALL], "job.h5", "is there already")
+
+    def test_an_unfinished_sweep_is_not_buried_under_an_assessment(self):
+        self.write("job.h5.partial", "")
+        self.assert_refused(["assess", self.job, *self.SMALL, "--overwrite"], "unfinished sweep")
 
     def test_files_that_are_missing(self):
         self.assert_refused(["assess", self.job, "--assess.scenes", "nowhere.cfg"], "nowhere.cfg")

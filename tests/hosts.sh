@@ -17,7 +17,7 @@ net=tb$$ # names of this run: an interface's has at most 15 characters
 hosts=()
 clean_up() {
   for host in "${hosts[@]}"; do
-    ip netns pids "$host" | xargs -r kill -9
+    ip netns pids "$host" | xargs -r kill -9 2>/dev/null || true # one may just have ended
     ip netns delete "$host"
   done
   ip link delete "$net" 2>/dev/null || true

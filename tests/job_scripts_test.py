@@ -15,6 +15,7 @@ echo >>"$NOTES"
 """
 QSTAT = """#!/usr/bin/env bash
 printf 'Job Id: %s\\n    Resource_List.ncpus = 64\\n    Resource_List.walltime = 02:09:30\\n' "$2"
+printf '    run_count = %s\\n' "${RUN_COUNT:-1}"
 """
 # Ends with CODE; where that is "wait", it runs until USR1, like a sweep: then 75.
 MPIRUN = TAKES_NOTES + """
@@ -154,6 +155,10 @@ class Pbs(JobScript):
         _, notes, _ = self.run_script("pbs.sh", code=75, jobs="a.cfg", options="--overwrite -x")
         self.assertEqual(notes[0], self.sweep("a.cfg", " <--overwrite> <-x>"))
         self.assertEqual(notes[-1], "jobs=a.cfg options= -x restart=1")
+
+    def test_a_job_that_pbs_runs_again_goes_on_too(self):
+        _, notes, _ = self.run_script("pbs.sh", jobs="a.cfg", options="--overwrite -x", RUN_COUNT="2")
+        self.assertEqual(notes, [self.sweep("a.cfg", " <-x>")])
 
     def test_a_job_of_an_array_has_its_job_file_and_is_submitted_again_alone(self):
         code, notes, _ = self.run_script("pbs.sh", code=75, jobs="a.cfg b.cfg", PBS_ARRAY_INDEX="2")

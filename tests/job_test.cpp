@@ -90,25 +90,45 @@ TEST_CASE("Masses, heights and gravity must be finite and above zero") {
 
 TEST_CASE("Values out of range are refused") {
   const std::vector<std::pair<std::string, std::string>> bad{
-      {"scene.beam-density", "-1"},    {"scene.sling-angle", "4"},
-      {"lattice.increment", "0"},      {"lattice.increment", "-0.01"},
-      {"lattice.r1", "1:0.5:0.1"},     {"lattice.r1", "0.5:1:0"},
-      {"lattice.r1", "0.5:1:-0.1"},    {"lattice.r1", "0.5:1"},
-      {"lattice.r1", "0.5:x:0.1"},     {"lattice.r1", "0:1:0.1"},
-      {"lattice.r1", "nan"},           {"solver.stepper", "Euler"},
-      {"solver.tolerance", "0"},       {"solver.tolerance", "1e-16"},
-      {"solver.tolerance", "1"},       {"solver.max-steps", "0"},
-      {"solver.max-steps", "1e6"},     {"solver.max-steps", "-5"},
-      {"output.compression", "10"},    {"output.compression", "-1"},
-      {"output.compression", "1.5"},   {"output.storage", "float16"},
-      {"output.fields", "speed,sped"}, {"output.fields", "speed,speed"},
-      {"output.file", "a#b.h5"},       {"output.optimum", "slack"},
-      {"scene.sling-stiffness", "-1"}, {"scene.sling-damping", "-1"},
-      {"scene.pivot-viscosity", "-1"}, {"scene.pivot-friction", "-0.1"},
-      {"scene.sling-mass", "-2"},      {"solver.target-error", "0"},
-      {"assess.steppers", "leapfrog"}, {"assess.tolerances", "1"},
-      {"assess.time-steps", "0"},      {"assess.designs", "0"},
-      {"assess.target-error", "-1"},   {"assess.lattice-seconds", "-1"},
+      {"scene.beam-density", "-1"},
+      {"scene.sling-angle", "4"},
+      {"lattice.increment", "0"},
+      {"lattice.increment", "-0.01"},
+      {"lattice.r1", "1:0.5:0.1"},
+      {"lattice.r1", "0.5:1:0"},
+      {"lattice.r1", "0.5:1:-0.1"},
+      {"lattice.r1", "0.5:1"},
+      {"lattice.r1", "0.5:x:0.1"},
+      {"lattice.r1", "0:1:0.1"},
+      {"lattice.r1", "nan"},
+      {"solver.stepper", "Euler"},
+      {"solver.tolerance", "0"},
+      {"solver.tolerance", "1e-16"},
+      {"solver.tolerance", "1"},
+      {"solver.max-steps", "0"},
+      {"solver.max-steps", "1e6"},
+      {"solver.max-steps", "-5"},
+      {"output.compression", "10"},
+      {"output.compression", "-1"},
+      {"output.compression", "1.5"},
+      {"output.storage", "float16"},
+      {"output.fields", "speed,sped"},
+      {"output.fields", "speed,speed"},
+      {"output.file", "a#b.h5"},
+      {"output.optimum", "slack"},
+      {"scene.sling-stiffness", "-1"},
+      {"scene.sling-damping", "-1"},
+      {"scene.pivot-viscosity", "-1"},
+      {"scene.pivot-friction", "-0.1"},
+      {"scene.sling-mass", "-2"},
+      {"solver.target-error", "0"},
+      {"assess.steppers", "leapfrog"},
+      {"assess.steppers", "rk4, rk4"},
+      {"assess.tolerances", "1"},
+      {"assess.time-steps", "0"},
+      {"assess.designs", "0"},
+      {"assess.target-error", "-1"},
+      {"assess.lattice-seconds", "-1"},
   };
   for (const auto& [key, value] : bad)
     CHECK_THROWS_WITH(parse("", {{key, value}}), contains(key + " = " + value + ": must be "));
@@ -121,7 +141,14 @@ TEST_CASE("Adaptive steppers use the crossing, and refuse the window") {
                     contains("solver.release = window: must be crossing"));
 }
 
+TEST_CASE("A job file whose name cannot be an archive's is told so") {
+  CHECK_THROWS_WITH(parse_job("", "#1.cfg", {}), contains("output.file = #1.h5"));
+  CHECK(parse_job("", "#1.cfg", {{"output.file", "a.h5"}}).output.file == "a.h5");
+}
+
 TEST_CASE("A target error stands for a tolerance, of a stepper that follows one") {
+  const std::string text = to_text(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n"));
+  CHECK(to_text(parse(text)) == text);
   CHECK(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n").solver.target_error == 1e-6);
   CHECK_THROWS_WITH(parse("[solver]\nstepper = rk4\ntarget-error = 1e-6\n"), contains("rk4"));
   CHECK_THROWS_WITH(

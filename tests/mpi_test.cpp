@@ -32,15 +32,13 @@ TEST_CASE("Reductions are over all ranks, with the result on all") {
 
 TEST_CASE("What rank 0 returns or throws is returned or thrown everywhere") {
   int calls = 0;
-  const auto text = mpi::on_root(MPI_COMM_WORLD, [&] { return ++calls, std::string("done"); });
+  const auto text = mpi::text_of_root(MPI_COMM_WORLD, [&] { return ++calls, std::string("done"); });
   CHECK(text == "done");
   CHECK(calls == (mpi::rank(MPI_COMM_WORLD) == 0));
   CHECK_THROWS_AS(
-      mpi::on_root(MPI_COMM_WORLD, []() -> std::string { throw InputError("bad key"); }),
+      mpi::text_of_root(MPI_COMM_WORLD, []() -> std::string { throw InputError("bad key"); }),
       InputError);
-  const auto fail = [] {
-    mpi::on_root(MPI_COMM_WORLD, []() -> std::string { throw std::runtime_error("disk"); });
-  };
+  const auto fail = [] { mpi::on_root(MPI_COMM_WORLD, [] { throw std::runtime_error("disk"); }); };
   CHECK_THROWS_WITH(fail(), "disk");
   CHECK_THROWS_AS(fail(), mpi::RootError);
 }

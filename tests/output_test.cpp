@@ -56,7 +56,7 @@ TEST_CASE("What is no archive is never replaced") {
   std::ofstream(folder.path / "notes.txt") << "precious";
   for (const bool overwrite : {false, true})
     CHECK_THROWS_WITH(prepare_output(job_in(folder.path / "notes.txt"), overwrite),
-                      contains("is no archive of a sweep"));
+                      contains("is no archive"));
   CHECK(fs::file_size(folder.path / "notes.txt") == 8);
 }
 

@@ -307,12 +307,14 @@ class Partials(ResumeTest):
         with h5py.File(self.path("job.h5.partial")) as partial:
             fuses = not partial.attrs["kernel"].startswith("baseline")
         other_kernel = "baseline (2 lanes)" if fuses else "AVX-512 (8 lanes)"
-        for name, value in (("source", "trebsweep 0.0.9 (abc)"), ("kernel", other_kernel),
-                            ("format_version", np.uint64(9))):
+        for name, value, told in (("source", "trebsweep 0.0.9 (abc)", "0.0.9 (abc)"),
+                                  ("source", "trebsweep \x1b[2J", "source is no text"),
+                                  ("kernel", other_kernel, other_kernel),
+                                  ("format_version", np.uint64(9), "9")):
             with self.subTest(name=name), h5py.File(self.path("job.h5.partial"), "r+") as file:
                 kept = file.attrs[name]
                 file.attrs[name] = value
-            self.assert_refused(1, str(value))
+            self.assert_refused(1, told)
             with h5py.File(self.path("job.h5.partial"), "r+") as file:
                 file.attrs[name] = kept
 
@@ -380,7 +382,7 @@ class Partials(ResumeTest):
             time.sleep(0.02)
         for options in ((), slow, ("--overwrite",)):
             errors = self.run_sweep(1, *options, codes=(2,))
-            self.assert_told_once(errors, "output.file = job.h5: another sweep is writing it",
+            self.assert_told_once(errors, "output.file = job.h5: another run is writing it",
                                   f"process {ranks_of(first)[0]}")
         first.send_signal(signal.SIGUSR1)
         self.finish(first, codes=(75,))

@@ -72,6 +72,16 @@ TEST_CASE("An adaptive trace has rows at equal times and ends at the release") {
   CHECK(read_trace(accurate()).rows.size() == 92);  // every 0.01 s by itself
 }
 
+TEST_CASE("Between two of Euler's steps everything moves on a straight line, up to the release") {
+  const Table steps = read_trace(Job{}), halves = read_trace(Job{}, 0.005);
+  REQUIRE(halves.rows.size() == 2 * steps.rows.size() - 1);
+  for (std::size_t i = 0; i < halves.rows.size(); ++i)
+    for (const std::string name : {"t", "phi1", "phi2", "w1", "w2"}) {
+      const double before = steps.rows[i / 2].at(name), after = steps.rows[(i + 1) / 2].at(name);
+      CHECK(halves.rows[i].at(name) == Approx((before + after) / 2).margin(1e-9));
+    }
+}
+
 TEST_CASE("Rows between the steps are as accurate as the steps") {
   Job fine = accurate();
   fine.solver.tolerance = 1e-13;

@@ -40,6 +40,9 @@ using Attributes =
 /// The version of the form of archives: format_version.
 inline constexpr unsigned long long archive_format = 2;
 
+/// What an archive's history says of a run that begins now.
+std::string history_line(const std::string& command, std::uint64_t ranks);
+
 /// The name of an archive that is not complete.
 std::filesystem::path partial_path(const std::filesystem::path& path);
 

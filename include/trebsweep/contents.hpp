@@ -25,10 +25,18 @@ struct Contents {
 };
 
 /// Reads an archive; for one process, without MPI. Throws std::runtime_error where the file is
-/// none, is damaged, or is of another format_version.
+/// none, is damaged, or is of another format_version, and std::system_error where that cannot be
+/// told, as where reading takes more than a minute.
 Contents read_contents(const std::filesystem::path& path);
 
-/// The job text stored in an archive, or nothing if the file is no archive; for one process.
-std::optional<std::string> archived_job(const std::filesystem::path& path);
+/// What made an archive.
+struct Archived {
+  std::string job;  ///< the text of its job file
+  bool is_sweep;    ///< else it is an assessment
+};
+
+/// What made an archive, or nothing if the file is none; for one process. Throws std::system_error
+/// as read_contents() does.
+std::optional<Archived> archived_job(const std::filesystem::path& path);
 
 }  // namespace trebsweep

@@ -69,7 +69,7 @@ inline constexpr bool is_flag(Field field) {
   return field == Field::status || field == Field::slack;
 }
 
-/// Names of the field slack's flags: of designs without a shot, and then of 0 and 1.
+/// Names of the field slack's flags: of designs without a shot, and then of 1 and 2.
 inline constexpr std::array<std::string_view, 3> slack_names{"no_shot", "taut", "slack"};
 
 /// Whether every Shot has it.

@@ -16,6 +16,11 @@ namespace trebsweep {
 /// number of doubles in a register: "AVX-512 (8 lanes)".
 std::string_view instruction_set();
 
+/// Whether an instruction set has the fused multiply-add, which changes last digits.
+inline bool fuses(std::string_view instruction_set) {
+  return !instruction_set.starts_with("baseline");
+}
+
 /// integrate() for one of pack_stepper_names, and for fields without is_separate().
 Work integrate_packs(const Scene& scene, const Solver& solver,
                      std::span<const Design<double>> designs, std::span<const Field> fields,

@@ -73,6 +73,9 @@ struct RootError : std::runtime_error {
 
 /// Runs f on rank 0 and gives every rank the text it returns. Where f throws an InputError, every
 /// rank throws it; where another exception, every rank throws a RootError with its message.
-std::string on_root(MPI_Comm comm, const std::function<std::string()>& f);
+std::string text_of_root(MPI_Comm comm, const std::function<std::string()>& f);
+
+/// The same for what returns nothing.
+void on_root(MPI_Comm comm, const std::function<void()>& f);
 
 }  // namespace trebsweep::mpi

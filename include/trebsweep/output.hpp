@@ -22,4 +22,8 @@ struct Place {
 /// something else, and std::runtime_error where an unfinished sweep cannot be continued.
 Place prepare_output(const Job& job, bool overwrite);
 
+/// Locks the place of what is no sweep, as long as the lock is kept. For one rank alone. Throws
+/// InputError where prepare_output() does, and where an unfinished sweep is to go there.
+std::unique_ptr<FileLock> reserve_output(const Job& job, bool overwrite);
+
 }  // namespace trebsweep

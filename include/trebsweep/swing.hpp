@@ -308,7 +308,7 @@ class Swings {
   void shoot(std::size_t lane, const Instant& from, const Instant& to) {
     copy_lane<T>(shot_.design, shots_, flight_.design, lane);
     copy_lane<T>(shot_.to, shots_, to, lane);
-    if (recording_ || solver_.release == Release::crossing) {
+    if (lanes == 1 || recording_ || solver_.release == Release::crossing) {
       copy_lane<T>(shot_.motion, shots_, flight_.motion, lane);
       copy_lane<T>(shot_.from, shots_, from, lane);
     }
@@ -335,10 +335,7 @@ class Swings {
                                                                    : Status::released;
       deliver(number, status, shot_.to, lane, get_lane(speed, lane), tried);
       if constexpr (lanes == 1) {
-        if (is_shot(status) && solver_.release == Release::crossing)
-          observe_(shot_.from, shot_.to);
-        else if (is_shot(status))
-          observe_(at_step(shot_.to, 1), shot_.to);
+        if (is_shot(status)) observe_(shot_.from, shot_.to);
       }
     }
     shots_ = 0;
