@@ -66,7 +66,9 @@ if [[ $code -eq 75 && $cancelled == no ]]; then
     echo "jobs/slurm.sh: not complete after $most_restarts restarts; submit it again to go on" >&2
   else
     echo "jobs/slurm.sh: back into the queue" >&2
-    scontrol requeue "$SLURM_JOB_ID" || echo "jobs/slurm.sh: not requeued; submit it again to go on" >&2
+    # One job of an array may have the number of all.
+    me=${SLURM_ARRAY_JOB_ID:+${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID}
+    scontrol requeue "${me:-$SLURM_JOB_ID}" || echo "jobs/slurm.sh: not requeued; submit it again to go on" >&2
   fi
 fi
 exit $code

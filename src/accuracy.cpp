@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "trebsweep/integrate.hpp"
-#include "trebsweep/steppers.hpp"
+#include "trebsweep/stepper_names.hpp"
 
 namespace trebsweep {
 namespace {

@@ -16,7 +16,6 @@
 
 #include "trebsweep/error.hpp"
 #include "trebsweep/number.hpp"
-#include "trebsweep/steppers.hpp"
 
 namespace trebsweep {
 namespace {
@@ -383,8 +382,24 @@ po::options_description file_options() {
   return options;
 }
 
+/// Refuses lines that are no section and no key. Here, since Boost's own message about them never
+/// ends where they hold its placeholders, such as %invalid_line%.
+void check_lines(const std::string& text, const std::string& name) {
+  std::istringstream stream(text);
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    std::string said = line.substr(0, line.find('#'));
+    boost::trim(said);
+    const bool is_section = said.starts_with('[') && said.ends_with(']');
+    if (!said.empty() && !is_section && said.find('=') == std::string::npos)
+      throw InputError(fmt::format(
+          "job file {}: line {}, '{}', is neither [section] nor key = value", name, number, said));
+  }
+}
+
 po::variables_map parse_text(const std::string& text, const std::string& name,
                              const po::options_description& options) {
+  check_lines(text, name);
   po::variables_map given;
   try {
     std::istringstream stream(text);

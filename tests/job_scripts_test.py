@@ -132,6 +132,12 @@ class Slurm(JobScript):
             self.assertIn(message, errors)
 
 
+    def test_a_job_of_an_array_goes_back_into_the_queue_alone(self):
+        _, notes, _ = self.run_script("slurm.sh", "a.cfg", "b.cfg", code=75,
+                                      SLURM_ARRAY_JOB_ID="12", SLURM_ARRAY_TASK_ID="2")
+        self.assertEqual(notes, [self.SWEEP + "<b.cfg>", "scontrol <requeue> <12_2>"])
+
+
 class Pbs(JobScript):
     # 02:09:30 is 7770 s, less 180.
     SWEEP = ("mpirun <-machinefile> <{}> <-n> <3> <--bind-to> <core> <true> <sweep> <{}> "

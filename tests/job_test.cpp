@@ -141,6 +141,12 @@ TEST_CASE("Adaptive steppers use the crossing, and refuse the window") {
                     contains("solver.release = window: must be crossing"));
 }
 
+TEST_CASE("A line that says nothing is told with its number") {
+  for (const std::string line : {"increment 0.1", "[scene", "%invalid_line%"})
+    CHECK_THROWS_WITH(parse("[lattice]\n # a comment\n" + line + " # and another\n"),
+                      contains("line 3, '" + line + "'"));
+}
+
 TEST_CASE("A job file whose name cannot be an archive's is told so") {
   CHECK_THROWS_WITH(parse_job("", "#1.cfg", {}), contains("output.file = #1.h5"));
   CHECK(parse_job("", "#1.cfg", {{"output.file", "a.h5"}}).output.file == "a.h5");

@@ -248,10 +248,12 @@ class Stops(ResumeTest):
         self.stop(lambda launcher, ranks: os.kill(random.choice(ranks), signal.SIGINT))
 
     def test_sigterm_and_ctrl_c_to_mpirun_stop_in_good_order(self):
-        # Open MPI's mpirun passes SIGTERM on, waits for a second, and returns 1 whatever the ranks return.
+        # Open MPI's mpirun passes SIGTERM on, kills the ranks a second later, and returns 1 whatever they
+        # return: on a busy machine they do not get to tell it.
         def after(launcher, errors):
             self.assertIn(launcher.returncode, (1, 75), errors)
-            self.assert_told_once(errors, "the same command continues")
+            if "trebsweep: " in errors:
+                self.assert_told_once(errors, "the same command continues")
         for number in (signal.SIGTERM, signal.SIGINT):
             self.stop(lambda launcher, ranks, number=number: launcher.send_signal(number),
                       after=after)

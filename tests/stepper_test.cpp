@@ -90,6 +90,14 @@ TEST_CASE("An unknown stepper is refused") {
                     std::logic_error);
 }
 
+TEST_CASE("The steppers that follow a tolerance are those that find their own steps") {
+  for (const auto name : stepper_names)
+    with_stepper(
+        name, [&]<template <class, Effects = Effects{}> class Stepper>() {
+          CHECK(follows_tolerance(name) == is_adaptive<Stepper<double>>);
+        });
+}
+
 TEST_CASE("A swing's first extrapolated step is the same whatever was integrated before") {
   const Solver solver{.tolerance = 1e-9};
   const auto first_step = [](auto& stepper, const Motion<double>& motion, double h, auto& to) {

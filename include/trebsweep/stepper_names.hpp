@@ -29,4 +29,11 @@ inline constexpr bool is_for_packs(std::string_view stepper) {
          pack_stepper_names.end();
 }
 
+/// Whether the stepper of that name follows a tolerance; the others keep their step.
+inline constexpr bool follows_tolerance(std::string_view stepper) {
+  constexpr std::array<std::string_view, 5> adaptive{"cash_karp54", "dopri5", "fehlberg78",
+                                                     "bulirsch_stoer", "rosenbrock4"};
+  return std::find(adaptive.begin(), adaptive.end(), stepper) != adaptive.end();
+}
+
 }  // namespace trebsweep

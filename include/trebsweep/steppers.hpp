@@ -22,12 +22,4 @@ auto with_stepper(std::string_view name, F&& f) {
   return is_for_packs(name) ? with_pack_stepper(name, f) : with_single_stepper(name, f);
 }
 
-/// Whether the stepper of that name follows a tolerance; the others keep their step.
-inline bool follows_tolerance(std::string_view stepper) {
-  return with_stepper(
-      stepper, []<template <class, Effects = Effects{}> class Stepper>() {
-        return is_adaptive<Stepper<double>>;
-      });
-}
-
 }  // namespace trebsweep
