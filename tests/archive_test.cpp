@@ -199,7 +199,7 @@ TEST_CASE("Where it is told to stop, a partial file that is being made leaves no
   const Lattice lattice = small_lattice();
   int asked = 0;
   CHECK_FALSE(create_partial(file.path(), lattice, Tiling(lattice, {4, 3, 5}),
-                             two_maps(MapType::float64), 0, {}, [&] { return ++asked > 7; }));
+                             two_maps(MapType::float64), 0, {}, [&] { return ++asked > 3; }));
   for (const auto& entry : std::filesystem::directory_iterator(file.path().parent_path()))
     CHECK(entry.path().string().find("archive_stopped") == std::string::npos);
 }
