@@ -13,10 +13,11 @@ namespace trebsweep {
 namespace {
 
 /// Ends by f's own signals alone, without the messages of those who would report them.
-[[noreturn]] void run(const std::function<void()>& f, unsigned seconds) {
-  const rlimit no_core{0, 0};
+[[noreturn]] void run(const std::function<void()>& f, unsigned working, unsigned seconds) {
+  const rlimit no_core{0, 0}, processor{working, working + 1};
   setrlimit(RLIMIT_CORE, &no_core);
-  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM})
+  setrlimit(RLIMIT_CPU, &processor);
+  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM, SIGXCPU})
     std::signal(number, SIG_DFL);
   alarm(seconds);
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) dup2(nowhere, STDERR_FILENO);
@@ -29,10 +30,10 @@ namespace {
 
 }  // namespace
 
-bool survives(const std::function<void()>& f, unsigned seconds) {
+bool survives(const std::function<void()>& f, unsigned working, unsigned seconds) {
   const pid_t child = fork();
   if (child < 0) throw std::system_error(errno, std::generic_category(), "fork");
-  if (child == 0) run(f, seconds);
+  if (child == 0) run(f, working, seconds);
   int status = 0;
   while (waitpid(child, &status, 0) < 0)
     if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "waitpid");

@@ -90,9 +90,9 @@ Contents read(const std::filesystem::path& path) {
 /// Calls f in a child first: HDF5 crashes on some damaged files, and hangs on others.
 template <class F>
 auto try_first(const std::filesystem::path& path, F f) {
-  constexpr unsigned patience = 60;  // s: a file system may be slow
+  constexpr unsigned working = 10, waiting = 60;  // s: a file system may be slow
   try {
-    if (!survives([&] { f(); }, patience)) damaged("HDF5 fails on it");
+    if (!survives([&] { f(); }, working, waiting)) damaged("HDF5 fails on it");
   } catch (const std::system_error& error) {
     throw std::system_error(error.code(), "cannot read " + path.string());
   }

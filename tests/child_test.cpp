@@ -1,9 +1,11 @@
 #include "trebsweep/child.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 
 #include "catch.hpp"
 
@@ -11,18 +13,20 @@ using namespace trebsweep;
 
 TEST_CASE("What ends, even by an exception, survives, and changes nothing here") {
   int calls = 0;
-  CHECK(survives([&] { ++calls; }, 10));
-  CHECK(survives([] { throw std::runtime_error("no"); }, 10));
+  CHECK(survives([&] { ++calls; }, 10, 10));
+  CHECK(survives([] { throw std::runtime_error("no"); }, 10, 10));
   CHECK(calls == 0);
 }
 
-TEST_CASE("A crash and an exit do not survive, and a hang is an error") {
-  CHECK_FALSE(survives([] { std::abort(); }, 10));
-  CHECK_FALSE(survives([] { std::raise(SIGSEGV); }, 10));
-  CHECK_FALSE(survives([] { std::_Exit(3); }, 10));
-  const auto hang = [] {
+TEST_CASE("A crash, an exit and endless work do not survive, and endless waiting is an error") {
+  CHECK_FALSE(survives([] { std::abort(); }, 10, 10));
+  CHECK_FALSE(survives([] { std::raise(SIGSEGV); }, 10, 10));
+  CHECK_FALSE(survives([] { std::_Exit(3); }, 10, 10));
+  const auto work = [] {
     for (volatile bool forever = true; forever;) {
     }
   };
-  CHECK_THROWS_AS(survives(hang, 1), std::system_error);
+  CHECK_FALSE(survives(work, 1, 10));
+  CHECK_THROWS_AS(survives([] { std::this_thread::sleep_for(std::chrono::hours(1)); }, 10, 1),
+                  std::system_error);
 }
