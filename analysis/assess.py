@@ -15,8 +15,8 @@ import h5py
 import numpy as np
 from matplotlib.colors import LogNorm, SymLogNorm
 
-from archive import Archive, edges, plt, save, unit_text
-from heatmap import PLANES, plane
+from archive import Archive, plt, save, unit_text
+from heatmap import PLANES, draw_values, finite_values, planes
 
 STEPPERS = ("euler", "modified_midpoint", "rk4", "cash_karp54", "dopri5", "fehlberg78",
             "adams_bashforth_moulton", "bulirsch_stoer", "rosenbrock4")
@@ -134,27 +134,32 @@ def draw_stability(assessment):
     return figure
 
 
+def scale(values):
+    """Colours for values: of both signs, over several decades, or neither."""
+    largest = np.abs(values).max() if values.size and values.any() else 1
+    if values.size and values.min() < 0:
+        return {"norm": SymLogNorm(largest / 1e3, vmin=-largest, vmax=largest), "cmap": "RdBu_r"}
+    if values.size and values.min() < largest / 30:
+        smallest = max(values.min(), largest / 1e6)
+        return {"norm": LogNorm(smallest, largest), "cmap": "viridis"}
+    return {"vmin": values.min() if values.size else 0, "vmax": largest, "cmap": "viridis"}
+
+
 def draw_map(archive, field, title):
-    """A map in its three planes through the optimum, on a logarithmic scale."""
+    """A map in its three planes through the optimum."""
     centre = archive.optimum() or {name: v[len(v) // 2] for name, v in archive.axes.items()}
-    figure, axes = plt.subplots(1, 3, figsize=(15, 5), constrained_layout=True)
-    parts = [plane(archive, field, fixed, archive.index(fixed, centre[fixed]), horizontal, vertical)
-             for fixed, horizontal, vertical in PLANES]
-    finite = np.abs(np.concatenate([part[np.isfinite(part)] for part in parts]))
-    largest = finite.max() if finite.size and finite.max() > 0 else 1
-    if any(np.nanmin(part) < 0 for part in parts):
-        norm = {"norm": SymLogNorm(largest / 1e3, vmin=-largest, vmax=largest), "cmap": "RdBu_r"}
-    else:
-        norm = {"norm": LogNorm(max(finite.min(), largest / 1e6), largest), "cmap": "viridis"}
-    for panel, part, (fixed, horizontal, vertical) in zip(axes, parts, PLANES):
-        mesh = panel.pcolormesh(edges(archive.axes[horizontal]), edges(archive.axes[vertical]),
-                                part, rasterized=True, **norm)
-        panel.set_xlabel(archive.label(horizontal))
-        panel.set_ylabel(archive.label(vertical))
-        panel.set_title(f"{fixed} = {centre[fixed]:g} m")
-        panel.set_facecolor("0.93")
+    figure, panels = plt.subplots(1, 3, figsize=(15, 5), constrained_layout=True)
+    parts = planes(archive, field, centre)
+    style = scale(finite_values(parts))
+    for axes, part, names in zip(panels, parts, PLANES):
+        mesh = draw_values(axes, archive, centre, names, part, **style)
+        axes.set_facecolor("0.93")
     unit = unit_text(archive.map(field).attrs.get("units", ""))
-    figure.colorbar(mesh, ax=axes, pad=0.01).set_label(f"{field.replace('_', ' ')} ({unit})")
+    bar = figure.colorbar(mesh, ax=panels, pad=0.01)
+    bar.set_label(f"{field.replace('_', ' ')} ({unit})")
+    if isinstance(mesh.norm, SymLogNorm):  # ticks near zero would lie on each other
+        bar.set_ticks([t for t in bar.get_ticks()
+                       if t == 0 or mesh.norm.linthresh <= abs(t) <= mesh.norm.vmax])
     figure.suptitle(title)
     return figure
 

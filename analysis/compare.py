@@ -11,8 +11,8 @@ import sys
 
 import numpy as np
 
-from archive import AXES, Archive, design_text, edges, plt, save, unit_text
-from heatmap import PLANES, plane
+from archive import AXES, Archive, design_text, plt, save, unit_text
+from heatmap import PLANES, draw_values, finite_values, planes
 
 
 def check_lattices(a, b):
@@ -52,21 +52,14 @@ def report(a, b, field):
 def draw(a, b, field, centre):
     """The figure of A - B in the three planes through `centre` ({axis: m})."""
     figure, panels = plt.subplots(1, 3, figsize=(15, 5.2), constrained_layout=True)
-    parts = []
-    for fixed, horizontal, vertical in PLANES:
-        index = a.index(fixed, centre[fixed])
-        parts.append(plane(a, field, fixed, index, horizontal, vertical)
-                     - plane(b, field, fixed, index, horizontal, vertical))
-    finite = np.concatenate([part[np.isfinite(part)] for part in parts])
+    parts = [x - y for x, y in zip(planes(a, field, centre), planes(b, field, centre))]
+    finite = finite_values(parts)
     limit = np.abs(finite).max() if finite.size and finite.any() else 1
-    for axes, part, (fixed, horizontal, vertical) in zip(panels, parts, PLANES):
-        mesh = axes.pcolormesh(edges(a.axes[horizontal]), edges(a.axes[vertical]), part,
-                               cmap="RdBu_r", vmin=-limit, vmax=limit, rasterized=True)
+    for axes, part, names in zip(panels, parts, PLANES):
+        mesh = draw_values(axes, a, centre, names, part, cmap="RdBu_r", vmin=-limit, vmax=limit)
+        _, horizontal, vertical = names
         axes.plot(centre[horizontal], centre[vertical], "*", color="black", markersize=11,
                   markeredgecolor="white")
-        axes.set_xlabel(a.label(horizontal))
-        axes.set_ylabel(a.label(vertical))
-        axes.set_title(f"{fixed} = {a.axes[fixed][a.index(fixed, centre[fixed])]:g} m")
         axes.set_facecolor("0.93")
     bar = figure.colorbar(mesh, ax=panels, pad=0.01)
     bar.set_label("difference of the " + a.label(field))

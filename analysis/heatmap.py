@@ -35,33 +35,42 @@ def flag_colours(archive, field):
     return colours, BoundaryNorm(np.arange(len(meanings) + 1) - 0.5, len(meanings)), meanings
 
 
-def draw_plane(axes, archive, field, centre, axis_names, style):
-    """Draws one plane; returns its colours, for the colour bar."""
+def planes(archive, field, centre):
+    """The values of a map in its PLANES through `centre` ({axis: m})."""
+    return [plane(archive, field, fixed, archive.index(fixed, centre[fixed]), *rest)
+            for fixed, *rest in PLANES]
+
+
+def draw_values(axes, archive, centre, axis_names, values, **style):
+    """Draws the values of one plane; returns their colours, for the colour bar."""
     fixed, horizontal, vertical = axis_names
-    values = plane(archive, field, fixed, archive.index(fixed, centre[fixed]), horizontal, vertical)
-    x, y = archive.axes[horizontal], archive.axes[vertical]
-    mesh = axes.pcolormesh(edges(x), edges(y), values, rasterized=True, **style)
-    is_number = values.dtype.kind == "f"
-    if is_number and min(values.shape) > 1 and np.isfinite(values).any():
-        lines = axes.contour(x, y, values, 8, colors="white", linewidths=0.6, alpha=0.8)
-        axes.clabel(lines, fontsize=7, fmt="%g")
-    optimum = archive.optimum()
-    if optimum and archive.index(fixed, optimum[fixed]) == archive.index(fixed, centre[fixed]):
-        axes.plot(optimum[horizontal], optimum[vertical], "*", color="red", markersize=13,
-                  markeredgecolor="white", label="fastest", clip_on=False)
+    mesh = axes.pcolormesh(edges(archive.axes[horizontal]), edges(archive.axes[vertical]), values,
+                           rasterized=True, **style)
     axes.set_xlabel(archive.label(horizontal))
     axes.set_ylabel(archive.label(vertical))
     axes.set_title(f"{fixed} = {archive.axes[fixed][archive.index(fixed, centre[fixed])]:g} m")
     return mesh
 
 
-def value_limits(archive, field, centre):
-    """The smallest and largest number in the planes, so that all share one scale."""
-    parts = [plane(archive, field, fixed, archive.index(fixed, centre[fixed]), *rest).ravel()
-             for fixed, *rest in PLANES]
-    values = np.concatenate(parts)
-    values = values[np.isfinite(values)]
-    return (values.min(), values.max()) if values.size else (0, 1)
+def draw_plane(axes, archive, centre, axis_names, values, style):
+    """The same with contours and the optimum."""
+    fixed, horizontal, vertical = axis_names
+    mesh = draw_values(axes, archive, centre, axis_names, values, **style)
+    is_number = values.dtype.kind == "f"
+    if is_number and min(values.shape) > 1 and np.isfinite(values).any():
+        lines = axes.contour(archive.axes[horizontal], archive.axes[vertical], values, 8,
+                             colors="white", linewidths=0.6, alpha=0.8)
+        axes.clabel(lines, fontsize=7, fmt="%g")
+    optimum = archive.optimum()
+    if optimum and archive.index(fixed, optimum[fixed]) == archive.index(fixed, centre[fixed]):
+        axes.plot(optimum[horizontal], optimum[vertical], "*", color="red", markersize=13,
+                  markeredgecolor="white", label="fastest", clip_on=False)
+    return mesh
+
+
+def finite_values(parts):
+    """The finite numbers of some planes."""
+    return np.concatenate([part[np.isfinite(part)] for part in parts])
 
 
 def title(archive, field):
@@ -80,15 +89,17 @@ def title(archive, field):
 def draw(archive, field, centre):
     """The figure with the three planes through `centre` ({axis: m})."""
     figure, panels = plt.subplots(1, 3, figsize=(15, 5.2), constrained_layout=True)
+    parts = planes(archive, field, centre)
     is_number = archive.map(field).dtype.kind == "f"
-    if is_number:
-        low, high = value_limits(archive, field, centre)
+    if is_number:  # all share one scale
+        values = finite_values(parts)
+        low, high = (values.min(), values.max()) if values.size else (0, 1)
         style = {"cmap": "viridis", "vmin": low, "vmax": high}
     else:
         colours, norm, meanings = flag_colours(archive, field)
         style = {"cmap": colours, "norm": norm}
-    for axes, names in zip(panels, PLANES):
-        mesh = draw_plane(axes, archive, field, centre, names, style)
+    for axes, names, part in zip(panels, PLANES, parts):
+        mesh = draw_plane(axes, archive, centre, names, part, style)
     bar = figure.colorbar(mesh, ax=panels, pad=0.01)
     if is_number:
         bar.set_label(archive.label(field.replace("-", "_")))
