@@ -38,6 +38,16 @@ def ranks_of(launcher):
     return [int(word) for word in found.stdout.split()]
 
 
+def handles_signals(process):
+    """Whether it is the program, and far enough to catch what asks it to stop."""
+    try:
+        with open(f"/proc/{process}/status", encoding="utf-8") as file:
+            caught = int(re.search(r"SigCgt:\s*(\w+)", file.read()).group(1), 16)
+        return os.path.samefile(f"/proc/{process}/exe", PROGRAM) and caught >> (signal.SIGUSR1 - 1) & 1
+    except OSError:
+        return False  # it has just ended
+
+
 def kill_all(launcher):
     """SIGKILL to mpirun and its ranks."""
     for process in [*ranks_of(launcher), launcher.pid]:
@@ -219,17 +229,13 @@ class Stops(ResumeTest):
 
     @staticmethod
     def strike_when_up(launcher, strike):
-        """Strikes once the ranks handle signals."""
-        for _ in range(100):
+        """Strikes once the ranks handle signals; they may be long in coming where names are looked up."""
+        while launcher.poll() is None:
             ranks = ranks_of(launcher)
-            masks = []
-            for rank in ranks:
-                with open(f"/proc/{rank}/status", encoding="utf-8") as file:
-                    masks.append(int(re.search(r"SigCgt:\s*(\w+)", file.read()).group(1), 16))
-            if ranks and all(mask >> (signal.SIGUSR1 - 1) & 1 for mask in masks):
+            if ranks and all(handles_signals(rank) for rank in ranks):
+                strike(launcher, ranks)
                 break
             time.sleep(0.02)
-        strike(launcher, ranks)
 
     def stop(self, strike, options=(), after=None):
         self.interrupt(lambda launcher: self.strike_when_up(launcher, strike), options,
