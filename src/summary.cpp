@@ -112,7 +112,8 @@ Summary combine(const Tally& tally, const Lattice& lattice, MPI_Comm comm) {
   sum.integration_seconds = mpi::sum(tally.integration_seconds, comm);
   sum.sweep_seconds = mpi::sum(tally.sweep_seconds, comm);
 
-  constexpr auto no_cell = std::numeric_limits<std::uint64_t>::max();
+  // Not beyond signed numbers: MPICH 4.0 takes the least of unsigned ones by their signs.
+  constexpr std::uint64_t no_cell = std::numeric_limits<std::int64_t>::max();
   sum.best_speed = mpi::max(tally.best_speed, comm);
   sum.best_cell = mpi::min(tally.best_speed == sum.best_speed ? tally.best_cell : no_cell, comm);
   sum.best_time = mpi::max(tally.best_cell == sum.best_cell ? tally.best_time : -1, comm);
