@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 
 packages=(cmake g++ libboost-dev libboost-program-options-dev libeigen3-dev libfmt-dev libhdf5-openmpi-dev
           libopenmpi-dev ninja-build openmpi-bin python3-h5py python3-matplotlib python3-numpy)
-options=(-DTREBSWEEP_TESTS=OFF -DTREBSWEEP_WERROR=OFF)
+options=(-DTREBSWEEP_TESTS=OFF) # the rest of an earlier configuration stays: no rebuild
 if [[ ${1:-} == --tests ]]; then
   options=(-DTREBSWEEP_TESTS=ON -DTREBSWEEP_WERROR=ON)
   packages+=(catch2 libgsl-dev libsundials-dev python3-h5netcdf python3-netcdf4 python3-xarray)
