@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "trebsweep/error.hpp"
+#include "trebsweep/key.hpp"
 #include "trebsweep/number.hpp"
 
 namespace trebsweep {
@@ -32,8 +33,10 @@ Usage:
   trebsweep COMMAND --help           the options of a command, with every key of a job file
   trebsweep --version
 
-JOB is a text file of keys with their values; jobs/paper.cfg is one to start from. Any of its keys is
-also an option, which wins over the file: --solver.tolerance 1e-9
+JOB is a text file of keys with their values; jobs/paper.cfg is one to start from. Every key is also an
+option, which overrides the file: --solver.tolerance 1e-9. A scene key is taken from the first of these
+that gives it: the option --scene.KEY, the file named by the option --scene.file, the job's [scene], the
+file that the job's [scene] names, the default.
 
 Exit codes: 0 complete, 1 run-time error, 2 bad command line or job file, 75 stopped before the end
 (the same command continues).
@@ -55,7 +58,8 @@ it in good order, with exit code 75.
 const char* const trace_help =
     R"(Usage: trebsweep trace JOB --r1 M --r2 M --r3 M [options]
 
-Prints the swing of one design, from rest to its release, as a table with the columns
+Prints the swing of one design, from rest to its release, as a table. Comment lines (#) with the heights
+and the release rule come first, then the header, then a row for each time, with the columns
   t        time, s
   phi1     angle of the counterweight's arm from the upward vertical, clockwise, rad
   phi2     angle of the sling from the downward vertical, clockwise, rad
@@ -114,16 +118,26 @@ po::options_description command_options(Command command) {
   return options;
 }
 
-po::options_description key_options() {
+/// Whether a command uses a key. trace prints its table, and assess takes from [output] its file.
+bool uses(Command command, const Key& key) {
+  const std::string section = key.section();
+  if (section == "scene" || section == "solver") return true;
+  if (command == Command::trace) return false;
+  if (command == Command::assess) return section != "output" || key.name == "output.file";
+  return section != "assess";
+}
+
+po::options_description key_options(Command command) {
   po::options_description options("Keys of the job file, with their defaults");
   const Job defaults;
   options.add_options()(scene_file.c_str(), po::value<std::string>()->value_name("PATH"),
-                        "file with the scene; other keys given win over it");
+                        "file with keys of the scene, which override the job's");
   for (const Key& key : job_keys())
-    options.add_options()(
-        key.name.c_str(),
-        po::value<std::string>()->value_name(fmt::format("(={})", key.get(defaults))),
-        key.help.c_str());
+    if (uses(command, key))
+      options.add_options()(
+          key.name.c_str(),
+          po::value<std::string>()->value_name(fmt::format("(={})", key.get(defaults))),
+          key.help.c_str());
   return options;
 }
 
@@ -134,7 +148,7 @@ std::string help_of(Command command) {
                                                         : trace_help;
   std::ostringstream text;
   text << help << command_options(command);
-  if (command != Command::info) text << "\n" << key_options();
+  if (command != Command::info) text << "\n" << key_options(command);
   return text.str();
 }
 
@@ -142,7 +156,7 @@ std::string help_of(Command command) {
 po::variables_map parse_options(Command command, int argc, const char* const* argv) {
   po::options_description options;
   options.add(command_options(command));
-  if (command != Command::info) options.add(key_options());
+  if (command != Command::info) options.add(key_options(command));
   options.add_options()("job", po::value<std::vector<std::string>>());
   po::positional_options_description positions;
   positions.add("job", -1);
@@ -157,10 +171,11 @@ po::variables_map parse_options(Command command, int argc, const char* const* ar
                   .run(),
               given);
   } catch (const po::unknown_option& unknown) {
-    throw InputError(fmt::format("{}: unknown option; 'trebsweep {} --help' lists them",
-                                 unknown.get_option_name(), argv[1]));
+    throw InputError(fmt::format("{}: unknown option of {}; 'trebsweep {} --help' lists them",
+                                 shortened(unknown.get_option_name()), argv[1], argv[1]));
   } catch (const po::error& error) {
-    throw InputError(fmt::format("{}; see 'trebsweep {} --help'", error.what(), argv[1]));
+    throw InputError(
+        fmt::format("{}; see 'trebsweep {} --help'", shortened(error.what()), argv[1]));
   }
   return given;
 }
@@ -175,8 +190,8 @@ Command to_command(const std::string& name) {
   if (name == "trace") return Command::trace;
   if (name == "assess") return Command::assess;
   if (name == "info") return Command::info;
-  throw InputError(
-      fmt::format("{}: unknown command; the commands are sweep, trace, assess and info", name));
+  throw InputError(fmt::format(
+      "{}: unknown command; the commands are sweep, trace, assess and info", shortened(name)));
 }
 
 ProgressStyle to_progress(const std::string& value) {
@@ -209,8 +224,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     throw InputError(info ? "no archive given" : "no job file given; try jobs/paper.cfg");
   const auto& files = given["job"].as<std::vector<std::string>>();
   if (files.size() > 1)
-    throw InputError(
-        fmt::format("{}: only one {} can be given", files[1], info ? "archive" : "job file"));
+    throw InputError(fmt::format("{}: only one {} can be given", shortened(files[1]),
+                                 info ? "archive" : "job file"));
   (info ? line.archive : line.job_file) = files[0];
   if (info) return line;
   for (const Key& key : job_keys())

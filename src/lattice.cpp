@@ -54,28 +54,30 @@ std::vector<double> values(const Plan& plan) {
   return axis;
 }
 
-void check_size(const std::array<Plan, 3>& plans, const LatticeSpec& spec) {
+constexpr std::array axis_names{"r1", "r3", "r2"};
+
+/// The key that sets the step of an axis, for messages.
+std::string step_key(const LatticeSpec& spec, std::size_t axis) {
   const std::array<const std::optional<AxisRange>*, 3> given{&spec.r1, &spec.r3, &spec.r2};
-  constexpr std::array names{"r1", "r3", "r2"};
+  return *given[axis] ? fmt::format("lattice.{} with a step", axis_names[axis])
+                      : std::string("lattice.increment");
+}
+
+void check_size(const std::array<Plan, 3>& plans, const LatticeSpec& spec) {
   for (std::size_t d = 0; d < 3; ++d)
     if (plans[d].count > 1 && plans[d].step < 1e-12 * plans[d].last())
-      throw InputError(
-          fmt::format("lattice.{} with a step = {}: must be at least 1e-12 of the largest value, "
-                      "to tell values apart",
-                      names[d], plans[d].step));
+      throw InputError(fmt::format(
+          "{} = {}: must be at least 1e-12 of the largest {}, {} m, to tell values apart",
+          step_key(spec, d), plans[d].step, axis_names[d], plans[d].last()));
   const double cells = plans[0].count * plans[1].count * plans[2].count;
   const auto longest = std::max_element(
       plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return a.count < b.count; });
   if (longest->count <= longest_axis && cells <= most_designs) return;
-  const auto axis = static_cast<std::size_t>(longest - plans.begin());
-  const std::string key = *given[axis] ? fmt::format("lattice.{} with a step", names[axis])
-                                       : std::string("lattice.increment");
-  throw InputError(
-      fmt::format("{} = {} would make a lattice of {:.3g} x {:.3g} x {:.3g} (r1 x r3 x r2), {:.3g} "
-                  "cells; at most "
-                  "{:g} cells and {:g} along an axis are allowed",
-                  key, longest->step, plans[0].count, plans[1].count, plans[2].count, cells,
-                  most_designs, longest_axis));
+  throw InputError(fmt::format(
+      "{} = {} would make a lattice of {:.3g} x {:.3g} x {:.3g} (r1 x r3 x r2), {:.3g} cells; at "
+      "most {:g} cells and {:g} along an axis are allowed",
+      step_key(spec, static_cast<std::size_t>(longest - plans.begin())), longest->step,
+      plans[0].count, plans[1].count, plans[2].count, cells, most_designs, longest_axis));
 }
 
 [[noreturn]] void throw_empty(const std::string& key, double value, const std::string& why) {

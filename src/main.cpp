@@ -31,7 +31,8 @@ constexpr int stopped_before_the_end = 75;  // EX_TEMPFAIL: trying again helps
 
 void print_summary(const Summary& summary, const Job& job) {
   const int ranks = mpi::size(MPI_COMM_WORLD);
-  fmt::print("{} on {} {}\narchive   {}\n", to_text(summary, job.output.contest), ranks,
+  fmt::print("scene     {}\nsolver    {}\n{} on {} {}\narchive   {}\n", scene_text(job),
+             solver_text(job.solver), to_text(summary, job.output.contest), ranks,
              ranks == 1 ? "rank" : "ranks", job.output.file);
 }
 
@@ -76,24 +77,50 @@ void run_assess(const CommandLine& line, const Job& job, const std::string& comm
   fmt::print("archive   {}\n", job.output.file);
 }
 
-/// Returns the exit code.
-int run(int argc, char** argv) {
+/// A command that all ranks run together. Returns the exit code.
+int run_parallel(int argc, char** argv) {
   const CommandLine line = parse_command_line(argc, argv);
-  const bool root = mpi::rank(MPI_COMM_WORLD) == 0;
-  if (line.command == Command::help || line.command == Command::version) {
-    if (root && line.command == Command::help) fmt::print("{}", line.help);
-    if (root && line.command == Command::version)
-      fmt::print("{}\nkernel: {}\n", version_text(), instruction_set());
-    return 0;
-  }
   const std::string command = fmt::format("{}", fmt::join(std::span(argv, argv + argc), " "));
   if (line.command == Command::sweep) return run_sweep(line, command);
-  const Job job = load_job(line.job_file, line.overrides, MPI_COMM_WORLD);
-  if (line.command == Command::assess)
-    run_assess(line, job, command);
-  else if (root)
-    run_trace(line, job);
+  run_assess(line, load_job(line.job_file, line.overrides, MPI_COMM_WORLD), command);
   return 0;
+}
+
+/// A command of one process.
+void run_serial(int argc, char** argv) {
+  const CommandLine line = parse_command_line(argc, argv);
+  switch (line.command) {
+    case Command::help:
+      return fmt::print("{}", line.help);
+    case Command::version:
+      return fmt::print("{}\nkernel: {}\n", version_text(), instruction_set());
+    case Command::info:
+      return fmt::print("{}", describe_archive(line.archive));
+    case Command::trace:
+      return run_trace(line, load_job(line.job_file, line.overrides));
+    case Command::sweep:
+    case Command::assess:
+      throw std::logic_error("a command for MPI");
+  }
+}
+
+/// Whether the command needs MPI, which takes a third of a second to start: sweep and assess, but
+/// not their help.
+bool is_parallel(std::span<char*> arguments) {
+  const auto is = [](std::string_view word) {
+    return [=](const char* argument) { return argument == word; };
+  };
+  return arguments.size() > 1 && (is("sweep")(arguments[1]) || is("assess")(arguments[1])) &&
+         std::none_of(arguments.begin(), arguments.end(), is("--help")) &&
+         std::none_of(arguments.begin(), arguments.end(), is("-h"));
+}
+
+/// Whether a launcher (of Open MPI, MPICH or Slurm) has started this process as a rank other than
+/// 0.
+bool is_other_rank() {
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID"})
+    if (const char* rank = std::getenv(name)) return rank != std::string_view("0");
+  return false;
 }
 
 /// Ends all ranks after a failure of one. Neither MPI nor HDF5 is finalized: after a failed write
@@ -131,17 +158,29 @@ int exit_code(bool tell, F f) {
   }
 }
 
-/// A command that needs no MPI: it works on a login node, too.
-int run_info(int argc, char** argv) {
-  const auto print = [&] {
-    const CommandLine line = parse_command_line(argc, argv);
-    fmt::print("{}", line.command == Command::help ? line.help : describe_archive(line.archive));
-    return 0;
-  };
+/// Returns the exit code.
+int serial_main(int argc, char** argv) {
   try {
-    return exit_code(true, print);
+    return exit_code(true, [&] { return run_serial(argc, argv), 0; });
   } catch (const std::runtime_error& error) {
     fmt::print(stderr, "trebsweep: {}\n", error.what());
+    return 1;
+  }
+}
+
+/// Returns the exit code.
+int parallel_main(int argc, char** argv) {
+  const mpi::Environment environment(argc, argv);
+  // Failures of one rank are not caught: unwinding would close the archive, which waits for all
+  // ranks, while the others are elsewhere.
+  std::set_terminate(end_after_failure);
+  const int rank = mpi::rank(MPI_COMM_WORLD);
+  try {
+    // An InputError is thrown on every rank; rank 0 prints it.
+    return exit_code(rank == 0, [&] { return run_parallel(argc, argv); });
+  } catch (const mpi::RootError& error) {
+    if (rank == 0) end_all_ranks(error, "");
+    MPI_Barrier(MPI_COMM_WORLD);  // until rank 0 ends it
     return 1;
   }
 }
@@ -152,18 +191,6 @@ int main(int argc, char** argv) {
   // HDF5's own locks would let somebody who looks at an unfinished archive keep its sweep from
   // going on, and have hung on network file systems; sweeps keep each other out by a FileLock.
   setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
-  if (argc > 1 && argv[1] == std::string_view("info")) return run_info(argc, argv);
-  const mpi::Environment environment(argc, argv);
-  // Failures of one rank are not caught: unwinding would close the archive, which waits for all
-  // ranks, while the others are elsewhere.
-  std::set_terminate(end_after_failure);
-  const int rank = mpi::rank(MPI_COMM_WORLD);
-  try {
-    // Every rank comes to the same failure; one tells it.
-    return exit_code(rank == 0, [&] { return run(argc, argv); });
-  } catch (const mpi::RootError& error) {
-    if (rank == 0) end_all_ranks(error, "");
-    MPI_Barrier(MPI_COMM_WORLD);  // until rank 0 ends it
-    return 1;
-  }
+  if (is_parallel(std::span(argv, argv + argc))) return parallel_main(argc, argv);
+  return is_other_rank() ? 0 : serial_main(argc, argv);
 }

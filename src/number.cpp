@@ -9,17 +9,27 @@
 
 namespace trebsweep {
 
+std::string shortened(const std::string& text) {
+  constexpr std::size_t most = 200;
+  return text.size() <= most ? text : text.substr(0, most) + "...";
+}
+
 void refuse(const std::string& key, const std::string& value, const std::string& allowed) {
-  throw InputError(fmt::format("{} = {}: must be {}", key, value, allowed));
+  throw InputError(fmt::format("{} = {}: must be {}", key, shortened(value), allowed));
 }
 
 bool Range::contains(double x) const {
-  return std::isfinite(x) && x <= high && (low_allowed ? x >= low : x > low);
+  if (zero_allowed && x == 0) return true;
+  return std::isfinite(x) && (ends_allowed ? low <= x && x <= high : low < x && x < high);
 }
 
 std::string Range::text() const {
-  if (std::isfinite(high)) return fmt::format("a number from {:.15g} to {:.15g}", low, high);
-  return fmt::format("a finite number {} {:.15g}", low_allowed ? "not below" : "above", low);
+  const std::string zero = zero_allowed ? "0, or " : "";
+  if (!std::isfinite(high))
+    return fmt::format("{}a finite number {} {:.9g}", zero, ends_allowed ? "not below" : "above",
+                       low);
+  if (ends_allowed) return fmt::format("{}a number from {:.9g} to {:.9g}", zero, low, high);
+  return fmt::format("{}a number above {:.9g} and below {:.9g}", zero, low, high);
 }
 
 double to_number(const std::string& key, const std::string& value, const Range& range) {

@@ -9,6 +9,7 @@
 #include "trebsweep/archive.hpp"
 #include "trebsweep/error.hpp"
 #include "trebsweep/kernel.hpp"
+#include "trebsweep/key.hpp"
 #include "trebsweep/version.hpp"
 
 namespace trebsweep {

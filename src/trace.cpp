@@ -13,7 +13,13 @@ namespace {
 constexpr double default_interval = 0.01;
 constexpr double most_rows = 1e7;
 
-void print_header(std::FILE* out) {
+/// The comments tell analysis/trajectory.py where the ground is and whether there is a flight.
+void print_header(const Job& job, std::FILE* out) {
+  const Solver& solver = job.solver;
+  fmt::print(out, "# gravity = {}\n# fulcrum-height = {}\n# release = {}\n", job.scene.gravity,
+             job.scene.fulcrum_height, release_names[static_cast<std::size_t>(solver.release)]);
+  if (solver.release == Release::window)
+    fmt::print(out, "# release-window = {}\n", solver.release_window);
   fmt::print(out,
              "t phi1 phi2 w1 w2 x1 y1 xt yt x3 y3 speed energy tension tip_tension axle stress\n");
 }
@@ -105,7 +111,7 @@ Status trace(const Job& job, const Design<double>& design, std::optional<double>
           using S = Stepper<double, E>;
           if (!interval && is_adaptive<S>) interval = default_interval;
           Printer<S, E> printer(job, design, interval, out);
-          print_header(out);
+          print_header(job, out);
           const auto outcome = swing<S, double, E>(job.scene, design, job.solver, printer);
           printer.finish(outcome);
           return outcome.status;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "paper_solver.hpp"
 #include "trebsweep/integrate.hpp"
 #include "trebsweep/spectrum.hpp"
 #include "trebsweep/stepper_names.hpp"
@@ -15,7 +16,7 @@ constexpr Design<double> optimum{0.51, 0.58, 0.91};
 
 std::vector<Reference> references(const Scene& scene, std::span<const Design<double>> designs) {
   std::vector<Reference> all;
-  for (const auto& design : designs) all.push_back(reference(scene, design, Solver()));
+  for (const auto& design : designs) all.push_back(reference(scene, design, paper_solver()));
   return all;
 }
 
@@ -33,7 +34,7 @@ TEST_CASE("A spread is the median, what 95 % are below, and the largest") {
 
 TEST_CASE("The paper's Euler steps make the optimum 3.7 % too fast") {
   const std::array designs{optimum};
-  const auto a = accuracy(Scene{}, Solver(), designs, references(Scene{}, designs), 1);
+  const auto a = accuracy(Scene{}, paper_solver(), designs, references(Scene{}, designs), 1);
   CHECK(a.relative.largest == Approx(0.037).margin(0.0005));
   CHECK(a.speed.largest == Approx(17.47606519 - 16.85558691).margin(1e-7));
   CHECK(a.steps == 92);
@@ -46,7 +47,7 @@ TEST_CASE("Every stepper that follows a tolerance meets it, and says what it too
   const auto truth = references(Scene{}, designs);
   for (const std::string stepper :
        {"cash_karp54", "dopri5", "fehlberg78", "bulirsch_stoer", "rosenbrock4"}) {
-    const auto a = accuracy(Scene{}, solver_of(stepper, 1e-9, Solver()), designs, truth, 1);
+    const auto a = accuracy(Scene{}, solver_of(stepper, 1e-9, paper_solver()), designs, truth, 1);
     INFO(stepper);
     CHECK(a.different == 0);
     CHECK(a.speed.largest < 1e-7);
@@ -55,14 +56,14 @@ TEST_CASE("Every stepper that follows a tolerance meets it, and says what it too
     CHECK(a.evaluations >= 4 * a.steps);
     CHECK(a.floor < 1e-12);
   }
-  const auto multistep =
-      accuracy(Scene{}, solver_of("adams_bashforth_moulton", 0.001, Solver()), designs, truth, 1);
+  const auto multistep = accuracy(
+      Scene{}, solver_of("adams_bashforth_moulton", 0.001, paper_solver()), designs, truth, 1);
   CHECK(multistep.speed.largest < 1e-9);
 }
 
 TEST_CASE("A design is counted as different where it is a shot in one place only") {
   const std::array designs{optimum};
-  Solver solver = solver_of("dopri5", 1e-6, Solver());
+  Solver solver = solver_of("dopri5", 1e-6, paper_solver());
   solver.max_time = 0.5;
   const auto a = accuracy(Scene{}, solver, designs, references(Scene{}, designs), 1);
   CHECK(a.different == 1);
@@ -75,9 +76,9 @@ TEST_CASE("Separate fields are the difference to an accurate integration, and th
                           Field::decay_rate};
   Shot shot;
   std::array<double, 4> values;
-  integrate(Scene{}, Solver(), designs, fields, {&shot, 1}, values);
+  integrate(Scene{}, paper_solver(), designs, fields, {&shot, 1}, values);
   CHECK(values[1] == Approx(shot.speed - 16.8555869074).margin(1e-9));
-  const auto [modulus, decay] = stiffness(spectra(Scene{}, optimum, Solver()));
+  const auto [modulus, decay] = stiffness(spectra(Scene{}, optimum, paper_solver()));
   CHECK(values[2] == modulus);
   CHECK(values[3] == decay);
 }

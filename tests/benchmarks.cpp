@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "paper_algorithm.hpp"
+#include "paper_solver.hpp"
 #include "trebsweep/integrate.hpp"
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/lattice.hpp"
@@ -212,7 +213,7 @@ std::vector<Entry> entries() {
                     [=](const auto& designs, auto& speeds) { run_lanes(solver, designs, speeds); },
                     solver});
   };
-  lanes("0.01 s", Solver{});
+  lanes("0.01 s", paper_solver());
   for (const double step : {0.01, 0.001}) {
     Solver solver = crossing("rk4", 0);
     solver.time_step = step;

@@ -6,6 +6,7 @@
 
 #include "catch.hpp"
 #include "trebsweep/accuracy.hpp"
+#include "trebsweep/config_file.hpp"
 #include "trebsweep/integrate.hpp"
 #include "trebsweep/job.hpp"
 #include "trebsweep/sample.hpp"

@@ -27,6 +27,13 @@ TEST_CASE("A number outside its range is refused by key, value and range") {
                     "mass = -0.1: must be a finite number not below 0");
   CHECK_THROWS_WITH(to_number("level", "10", Range{0, 9}),
                     "level = 10: must be a number from 0 to 9");
+  CHECK_THROWS_WITH(to_number("angle", "2", Range{0, 2, false}),
+                    "angle = 2: must be a number above 0 and below 2");
+  CHECK(to_number("mass", "0", physical_or_zero) == 0);
+  CHECK_THROWS_WITH(to_number("mass", "1e-13", physical_or_zero),
+                    "mass = 1e-13: must be 0, or a number from 1e-12 to 1e+12");
+  CHECK_THROWS_WITH(to_number("mass", "0", physical),
+                    "mass = 0: must be a number from 1e-12 to 1e+12");
   for (const std::string value : {"nan", "inf", "-inf"})
     CHECK_THROWS_AS(to_number("mass", value, positive), InputError);
 }

@@ -1,6 +1,7 @@
 #include "archive_reader.hpp"
 #include "catch.hpp"
 #include "paper_algorithm.hpp"
+#include "trebsweep/config_file.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/sweep.hpp"
 

@@ -3,13 +3,14 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "paper_solver.hpp"
 
 using namespace trebsweep;
 
 TEST_CASE("References are the numbers that other programs agree on") {
   Scene scene;
   scene.gravity = 9.81;
-  const Reference r = reference(scene, {0.75, 3, 4}, Solver());
+  const Reference r = reference(scene, {0.75, 3, 4}, paper_solver());
   CHECK(r.status == Status::released);
   CHECK(r.speed == Approx(23.7371408230).margin(1e-9));
   CHECK(r.release_time == Approx(1.1364650403).margin(1e-9));
@@ -21,7 +22,7 @@ TEST_CASE("References are the numbers that other programs agree on") {
 TEST_CASE("A reference without a release has a status and no speed") {
   Scene scene;
   scene.projectile_mass = 5000;
-  const Reference r = reference(scene, {0.51, 0.58, 0.91}, Solver());
+  const Reference r = reference(scene, {0.51, 0.58, 0.91}, paper_solver());
   CHECK(r.status == Status::not_released);
   CHECK(std::isnan(r.speed));
   CHECK(std::isnan(r.speed_bound));

@@ -5,6 +5,7 @@
 
 #include "archive_reader.hpp"
 #include "catch.hpp"
+#include "trebsweep/config_file.hpp"
 #include "trebsweep/error.hpp"
 #include "trebsweep/integrate.hpp"
 #include "trebsweep/mpi.hpp"

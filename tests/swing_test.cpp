@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "catch.hpp"
+#include "paper_solver.hpp"
 #include "trebsweep/steppers.hpp"
 
 using namespace trebsweep;
@@ -35,7 +36,7 @@ const Solver tight = accurate(1e-13, "fehlberg78");
 }  // namespace
 
 TEST_CASE("The paper's optimum: 17.47606519 m/s at step 92 by the paper's rules") {
-  const auto shot = shoot(Scene{}, optimum, Solver{});
+  const auto shot = shoot(Scene{}, optimum, paper_solver());
   REQUIRE(shot.status == Status::released);
   CHECK(shot.speed == Approx(17.47606519).margin(5e-9));
   CHECK(shot.steps == 92);
@@ -93,7 +94,7 @@ TEST_CASE("All legible rows of the paper's Appendix C, which left the beam's ine
   scene.beam_inertia = BeamInertia::none;
   std::vector<State<double>> states{start(scene, optimum)};
   const auto record = [&](const auto&, const Instant<double>& to) { states.push_back(to.x); };
-  const auto outcome = swing<Euler<double>, double>(scene, optimum, Solver{}, record);
+  const auto outcome = swing<Euler<double>, double>(scene, optimum, paper_solver(), record);
   CHECK(outcome.steps == 91);
 
   std::ifstream file(SOURCE_DIR "/tests/appendix_c.csv");
@@ -130,7 +131,7 @@ TEST_CASE("Balanced torques never turn the beam") {
   Scene scene;
   scene.beam_density = 0;
   scene.projectile_mass = scene.counterweight_mass;
-  for (const Solver& solver : {Solver{}, tight}) {
+  for (const Solver& solver : {paper_solver(), tight}) {
     const auto shot = shoot(scene, {1, 0.5, 1}, solver);
     CHECK(shot.status == Status::not_released);
     CHECK(shot.t == 10);
@@ -209,7 +210,7 @@ TEST_CASE("A step budget ends a swing as step_budget") {
 }
 
 TEST_CASE("A window too narrow for the step is stepped over") {
-  Solver solver;
+  Solver solver = paper_solver();
   solver.release_window = 1e-6;
   CHECK(shoot(Scene{}, optimum, solver).status == Status::not_released);
 }

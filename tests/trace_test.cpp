@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "paper_solver.hpp"
 #include "trebsweep/error.hpp"
 
 using namespace trebsweep;
@@ -17,6 +18,7 @@ namespace {
 constexpr Design<double> optimum{0.51, 0.58, 0.91};
 
 struct Table {
+  std::vector<std::string> comments;
   std::string header;
   std::vector<std::map<std::string, double>> rows;
   Status status;
@@ -32,7 +34,8 @@ Table read_trace(const Job& job, std::optional<double> interval = {}) {
   REQUIRE(std::fread(text.data(), 1, text.size(), file.get()) == text.size());
 
   std::istringstream lines(text);
-  std::getline(lines, table.header);
+  while (std::getline(lines, table.header) && table.header.starts_with('#'))
+    table.comments.push_back(table.header);
   for (std::string line; std::getline(lines, line);) {
     std::istringstream names(table.header), values(line);
     std::map<std::string, double> row;
@@ -43,21 +46,31 @@ Table read_trace(const Job& job, std::optional<double> interval = {}) {
   return table;
 }
 
+Job paper() {
+  Job job;
+  job.solver = paper_solver();
+  return job;
+}
+
 Job accurate() {
   Job job;
   job.solver.stepper = "dopri5";
-  job.solver.release = Release::crossing;
   return job;
 }
 
 }  // namespace
 
-TEST_CASE("A trace begins with its header: t phi1 phi2 ...") {
-  CHECK(read_trace(Job{}).header.rfind("t phi1 phi2 ", 0) == 0);
+TEST_CASE("A trace has comments on the heights and the release, then the header t phi1 phi2 ...") {
+  const Table table = read_trace(paper());
+  CHECK(table.header.starts_with("t phi1 phi2 "));
+  CHECK(table.comments == std::vector<std::string>{"# gravity = 9.8", "# fulcrum-height = 1.5",
+                                                   "# release = window",
+                                                   "# release-window = 0.05"});
+  CHECK(read_trace(accurate()).comments.back() == "# release = crossing");
 }
 
 TEST_CASE("Euler's trace has a row per step, from the start to the paper's release") {
-  const Table table = read_trace(Job{});
+  const Table table = read_trace(paper());
   REQUIRE(table.rows.size() == 93);
   for (std::size_t i = 0; i < table.rows.size(); ++i)
     CHECK(table.rows[i].at("t") == Approx(0.01 * static_cast<double>(i)));
@@ -73,7 +86,7 @@ TEST_CASE("An adaptive trace has rows at equal times and ends at the release") {
 }
 
 TEST_CASE("Between two of Euler's steps everything moves on a straight line, up to the release") {
-  const Table steps = read_trace(Job{}), halves = read_trace(Job{}, 0.005);
+  const Table steps = read_trace(paper()), halves = read_trace(paper(), 0.005);
   REQUIRE(halves.rows.size() == 2 * steps.rows.size() - 1);
   for (std::size_t i = 0; i < halves.rows.size(); ++i)
     for (const std::string name : {"t", "phi1", "phi2", "w1", "w2"}) {
@@ -108,7 +121,8 @@ TEST_CASE("A swing without a release is traced to its time limit") {
 }
 
 TEST_CASE("A design that cannot start is refused") {
-  CHECK_THROWS_WITH(trace(Job{}, {0.4, 1, 1}, {}, stderr), contains("r1 = 0.4: must be at least"));
+  CHECK_THROWS_WITH(trace(paper(), {0.4, 1, 1}, {}, stderr),
+                    contains("r1 = 0.4: must be at least"));
 }
 
 TEST_CASE("An interval that would print without end is refused") {

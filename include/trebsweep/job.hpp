@@ -1,8 +1,9 @@
 #pragma once
 
-#include <functional>
+#include <array>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "trebsweep/field.hpp"
@@ -16,8 +17,14 @@ namespace trebsweep {
 /// The number type of the maps in the archive.
 enum class Storage { float64, float32 };
 
+/// In the order of Storage.
+inline constexpr std::array<std::string_view, 2> storage_names{"float64", "float32"};
+
 /// Which shots compete for the optimum: all, or those whose sling never goes slack.
 enum class Contest { all, taut };
+
+/// In the order of Contest.
+inline constexpr std::array<std::string_view, 2> contest_names{"all", "taut"};
 
 /// What a job stores, and where.
 struct Output {
@@ -44,42 +51,32 @@ struct Assessment {
 /// All that a sweep needs to know.
 struct Job {
   Scene scene;
+  std::vector<std::string> scene_files;  ///< paths of the files that set keys of it, as given
   LatticeSpec lattice;
   Solver solver;
   Output output;
   Assessment assess;
 };
 
-/// One key of the job file, which is also a command-line option.
-struct Key {
-  std::string name;  ///< "section.key"
-  std::string help;  ///< what it is, its unit, what is allowed
-  std::function<void(Job&, const std::string&)>
-      set;  ///< throws InputError naming key, value, allowed
-  std::function<std::string(const Job&)> get;
-};
-
-/// The key that names a file with a scene: relative to the job file, or, as an option, to the
-/// current folder. It is no Key, as a Job has the scene itself.
-inline const std::string scene_file = "scene.file";
-
-/// Every key, in the order of the job file.
-const std::vector<Key>& job_keys();
-
-/// Values given on the command line, by key name.
+/// Values given on the command line, by key name; scene_file among them.
 using Overrides = std::map<std::string, std::string>;
 
 /// The job of a job file's text; `name` is the file's name, for messages, for the archive's
-/// default name (its stem + ".h5"), and for the place of the scene file that the job may name: that
-/// file's [scene] stands for what the job's own leaves out. Files of [assess] have their place by
-/// the same rule. Throws InputError.
+/// default name (its stem + ".h5"), and for the folder of the files that the job names.
+///
+/// A key of [scene] may be given in four places. The first of these that gives it wins:
+/// `overrides`, the file that their scene.file names, the job's [scene], the file that this names.
+/// Throws InputError, also where a key is given that the solver does not use.
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides);
 
-/// The text of a job file. Throws InputError if it is missing, unreadable or no text.
-std::string read_job_file(const std::string& path);
-
-/// The job as the text of a job file, every key with its value; those of [assess], which change no
-/// map, on demand.
+/// The job as the text of a job file: every key that its solver uses, with its value. Keys of
+/// [assess] change no map and are included on demand.
 std::string to_text(const Job& job, bool with_assessment = false);
+
+/// The scene in one line: its files, and every key that differs from the default.
+std::string scene_text(const Job& job);
+
+/// The solver in one line: the stepper, its setting and the release rule.
+std::string solver_text(const Solver& solver);
 
 }  // namespace trebsweep

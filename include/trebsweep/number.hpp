@@ -7,6 +7,9 @@
 
 namespace trebsweep {
 
+/// A user's text for a message, cut after 200 characters.
+std::string shortened(const std::string& text);
+
 /// Refuses a key's value. Throws InputError: "key = value: must be allowed".
 [[noreturn]] void refuse(const std::string& key, const std::string& value,
                          const std::string& allowed);
@@ -15,7 +18,8 @@ namespace trebsweep {
 struct Range {
   double low;
   double high = std::numeric_limits<double>::infinity();
-  bool low_allowed = true;
+  bool ends_allowed = true;   ///< whether `low` and a finite `high` belong to it
+  bool zero_allowed = false;  ///< whether 0 does, in addition
 
   bool contains(double x) const;
   std::string text() const;  ///< "a finite number above 0"
@@ -23,6 +27,11 @@ struct Range {
 
 inline constexpr Range positive{0, std::numeric_limits<double>::infinity(), false};
 inline constexpr Range not_negative{0};
+
+/// Physical quantities in SI units: beyond these magnitudes the arithmetic loses its meaning before
+/// it overflows.
+inline constexpr Range physical{1e-12, 1e12};
+inline constexpr Range physical_or_zero{1e-12, 1e12, true, true};
 
 /// Whether the whole text, but for blanks around it and a leading +, is a number, which it then
 /// becomes.

@@ -1,10 +1,16 @@
 #pragma once
 
+#include <array>
+#include <string_view>
+
 namespace trebsweep {
 
 /// How the beam's mass resists turning: the paper's slender rod (18), the exact square prism, or
 /// not at all (as in the paper's Appendix C, where only the beam's weight acts).
 enum class BeamInertia { slender, prism, none };
+
+/// In the order of BeamInertia.
+inline constexpr std::array<std::string_view, 3> beam_inertia_names{"slender", "prism", "none"};
 
 /// The physical situation of every design of a job, in SI units; the defaults are the paper's.
 struct Scene {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace trebsweep {
 
@@ -11,14 +13,17 @@ enum class Release {
   window     ///< the paper's rule: the first step with |pi - phi1| < release_window
 };
 
-/// How swings are integrated; the defaults are the paper's.
+/// In the order of Release.
+inline constexpr std::array<std::string_view, 2> release_names{"crossing", "window"};
+
+/// How swings are integrated. The defaults keep the speeds of the paper's lattice within 1e-7 m/s.
 struct Solver {
-  std::string stepper = "euler";  ///< one of stepper_names
-  double time_step = 0.01;        ///< s: a fixed stepper's step
-  double tolerance = 1e-9;        ///< absolute and relative error allowed in one adaptive step
-  double target_error = 0;        ///< m/s: of speeds, to choose the tolerance by; 0: it is given
-  Release release = Release::window;
-  double release_window = 0.05;       ///< rad
+  std::string stepper = "fehlberg78";  ///< one of stepper_names
+  double time_step = 0.01;             ///< s: a fixed stepper's step; the paper's
+  double tolerance = 1e-9;             ///< absolute and relative error allowed in an adaptive step
+  double target_error = 0;             ///< m/s: of speeds, to choose the tolerance by; 0: not given
+  Release release = Release::crossing;
+  double release_window = 0.05;       ///< rad; the paper's
   double max_time = 10;               ///< s: a swing not released by then counts as not_released
   std::uint64_t max_steps = 1000000;  ///< steps tried per swing, rejected ones included
 };
