@@ -62,6 +62,7 @@ Contents read(const std::filesystem::path& path) {
         fmt::format("format_version {}, while this program reads {}", format, archive_format));
   Contents contents;
   contents.job = read_text(file, "job");
+  contents.scene = read_text(file, "scene");
   contents.source = read_text(file, "source");
   contents.kernel = read_text(file, "kernel");
   try {

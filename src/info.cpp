@@ -45,6 +45,7 @@ std::string describe_archive(const fs::path& given) {
   const bool partial = path.extension() == ".partial";
   std::string text =
       fmt::format("archive   {}, {}\n", path.string(), partial ? activity(path) : "complete");
+  text += fmt::format("scene     {}\nsolver    {}\n", contents.scene, solver_text(job.solver));
   text += fmt::format("tiles     {} of {} done, of {} designs (r1 x r3 x r2)\n",
                       contents.tiles_done, contents.tiles, fmt::join(contents.tile_edge, " x "));
   text += fmt::format("lattice   {} x {} x {} (r1 x r3 x r2), {} designs\n",

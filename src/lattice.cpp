@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <numeric>
 
 #include "trebsweep/error.hpp"
@@ -23,8 +23,13 @@ constexpr double longest_axis = 1e7;
 /// gives it as a single value, and in the user's ds.sel(r1=0.51).
 double value_at(double first, double step, std::size_t i) {
   if (i == 0) return first;
-  const double value = first + static_cast<double>(i) * step;
-  return std::strtod(fmt::format("{:.15g}", value).c_str(), nullptr);
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.begin(), text.end(), first + static_cast<double>(i) * step,
+                                 std::chars_format::general, 15)
+                       .ptr;
+  double value = 0;
+  std::from_chars(text.begin(), end, value);
+  return value;
 }
 
 /// How many values of first, first + step, ... lie strictly below `end`.

@@ -22,6 +22,7 @@
 #include "trebsweep/sweep.hpp"
 #include "trebsweep/trace.hpp"
 #include "trebsweep/version.hpp"
+#include "trebsweep/warnings.hpp"
 
 namespace {
 
@@ -47,6 +48,9 @@ int run_sweep(const CommandLine& line, const std::string& command) {
       }};
   const auto summary = sweep(job, options, MPI_COMM_WORLD);
   const int code = summary && !summary->complete ? stopped_before_the_end : 0;
+  std::vector<std::string> doubts;
+  if (summary && code == 0)
+    doubts = warnings(job, Lattice(job.scene, job.lattice), *summary, MPI_COMM_WORLD);
   if (mpi::rank(MPI_COMM_WORLD) != 0) return code;
   if (code != 0)
     fmt::print(stderr, "trebsweep: stopped with {} designs done; the same command continues{}\n",
@@ -54,8 +58,11 @@ int run_sweep(const CommandLine& line, const std::string& command) {
   else if (summary)
     print_summary(*summary, job);
   else
-    fmt::print(stderr, "{} holds the complete archive of this job; --overwrite computes it anew\n",
+    fmt::print(stderr,
+               "{} holds the complete archive of this job; --overwrite computes it again\n",
                job.output.file);
+  std::fflush(stdout);  // the summary comes first
+  for (const std::string& doubt : doubts) fmt::print(stderr, "warning: {}\n", doubt);
   return code;
 }
 
@@ -149,7 +156,7 @@ template <class F>
 int exit_code(bool tell, F f) {
   try {
     const int code = f();
-    if (std::fflush(stdout) == 0) return code;
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
     std::perror("trebsweep: cannot write to stdout");
     return 1;
   } catch (const InputError& error) {

@@ -25,10 +25,11 @@ bool Range::contains(double x) const {
 
 std::string Range::text() const {
   const std::string zero = zero_allowed ? "0, or " : "";
+  const std::string sign = low > 0 && !zero_allowed ? " above 0," : "";
   if (!std::isfinite(high))
     return fmt::format("{}a finite number {} {:.9g}", zero, ends_allowed ? "not below" : "above",
                        low);
-  if (ends_allowed) return fmt::format("{}a number from {:.9g} to {:.9g}", zero, low, high);
+  if (ends_allowed) return fmt::format("{}a number{} from {:.9g} to {:.9g}", zero, sign, low, high);
   return fmt::format("{}a number above {:.9g} and below {:.9g}", zero, low, high);
 }
 

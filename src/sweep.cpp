@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <iterator>
 #include <limits>
-#include <queue>
 #include <stdexcept>
 
 #include "trebsweep/archive.hpp"
@@ -15,6 +14,8 @@
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/output.hpp"
+#include "trebsweep/sample.hpp"
+#include "trebsweep/schedule.hpp"
 #include "trebsweep/version.hpp"
 
 namespace trebsweep {
@@ -96,18 +97,6 @@ struct ComputedTile {
   Tally tally;
 };
 
-/// A tile with its number.
-struct NumberedTile {
-  std::uint64_t number;
-  Tile tile;
-};
-
-/// How many to take next, for a step of about `wanted` seconds, when the last ones took `seconds`.
-std::uint64_t paced(std::uint64_t count, double seconds, double wanted) {
-  const double pace = std::clamp(wanted / std::max(seconds, 1e-9), 0.1, 8.0);
-  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(count) * pace));
-}
-
 /// Integrates designs, asking now and then whether to stop: slow ones can take minutes per tile.
 /// Returns the lanes' steps, or nothing if told to stop.
 std::optional<std::uint64_t> integrate(const Job& job, std::span<const Design<double>> designs,
@@ -172,41 +161,14 @@ std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>
   return computed;
 }
 
-/// Tiles [first, end), which all ranks compute and then write together, dealt to the ranks: the
-/// largest first, each to the rank with the fewest designs so far. All ranks deal alike.
-std::vector<std::vector<NumberedTile>> deal(std::uint64_t first, std::uint64_t end,
-                                            std::uint64_t ranks, const Lattice& lattice,
-                                            const Tiling& tiling) {
-  struct Sized {
-    std::uint64_t designs, number;
-  };
-  std::vector<Sized> tiles;
-  for (std::uint64_t t = first; t < end; ++t)
-    tiles.push_back({lattice.designs_in(tiling.tile(t)), t});
-  std::stable_sort(tiles.begin(), tiles.end(),
-                   [](const Sized& a, const Sized& b) { return a.designs > b.designs; });
-
-  using Hand = std::pair<std::uint64_t, std::uint64_t>;  // designs, rank
-  std::priority_queue<Hand, std::vector<Hand>, std::greater<>> hands;
-  for (std::uint64_t rank = 0; rank < ranks; ++rank) hands.push({0, rank});
-  std::vector<std::vector<NumberedTile>> dealt(ranks);
-  for (const auto& [designs, number] : tiles) {
-    const auto [sum, rank] = hands.top();
-    hands.pop();
-    dealt[rank].push_back({number, tiling.tile(number)});
-    hands.push({sum + designs, rank});
-  }
-  return dealt;
-}
-
 /// Writes a round's tiles; collective.
-void write(const std::vector<std::vector<NumberedTile>>& dealt, std::uint64_t rank,
+void write(const std::vector<std::vector<NumberedTile>>& assigned, std::uint64_t rank,
            const std::vector<ComputedTile>& computed, Archive& archive) {
   std::size_t most = 0;
-  for (const auto& tiles : dealt) most = std::max(most, tiles.size());
+  for (const auto& tiles : assigned) most = std::max(most, tiles.size());
   for (std::size_t i = 0; i < most; ++i) {
     if (i < computed.size())
-      archive.write(dealt[rank][i].tile, computed[i].maps);
+      archive.write(assigned[rank][i].tile, computed[i].maps);
     else
       archive.write(std::nullopt, {});
   }
@@ -259,29 +221,42 @@ Attributes attributes(const Job& job, const std::string& history) {
                                        std::filesystem::path(job.output.file).stem().string()},
                          {"source", version_text()},
                          {"kernel", std::string(instruction_set())},
+                         {"scene", scene_text(job)},
                          {"job", to_text(job)},
                          {"history", history}});  // last: when it grows, no other text moves
   return all;
 }
 
-/// The extent of a tile: about a fifth of the lattice's, so that there are tiles enough to share
-/// and not many more to write.
-Index3 tile_edge(const SweepOptions& options, const Lattice& lattice) {
-  Index3 edge = lattice.extent();
-  for (std::size_t d = 0; d < 3; ++d) {
-    const std::size_t wanted = options.tile_edge.value_or(Index3{})[d];
-    const std::size_t most = edge[d] > 2500 ? 64 : 48;
-    edge[d] = std::min(edge[d],
-                       wanted > 0 ? wanted : std::clamp<std::size_t>((edge[d] + 4) / 5, 16, most));
+/// The time that a design takes on one core, by a sample of the lattice; at most 50 ms are spent.
+double seconds_per_design(const Job& job, const Lattice& lattice,
+                          const std::function<bool()>& stop) {
+  const auto designs = sample(lattice, 128);
+  const std::vector<Field> extra = extra_fields(job.output);
+  constexpr std::size_t part = 16;  // fills the lanes
+  constexpr double enough = 0.05;
+  const std::size_t parts = (designs.size() + part - 1) / part;
+  const double start = MPI_Wtime();
+  double seconds = 0;
+  std::size_t done = 0;
+  for (std::size_t p = 0; p < parts && seconds < enough && !stop(); ++p) {
+    std::vector<Design<double>> some;  // spread over the whole sample
+    for (std::size_t i = p; i < designs.size(); i += parts) some.push_back(designs[i]);
+    std::vector<Shot> shots(some.size());
+    std::vector<double> values(some.size() * extra.size());
+    integrate(job.scene, job.solver, some, extra, shots, values);
+    done += some.size();
+    seconds = MPI_Wtime() - start;
   }
-  return edge;
+  return done > 0 ? seconds / static_cast<double>(done) : 0;
 }
 
-/// How many tiles a rank computes before it writes: rounds of about two seconds, within 64 MiB of
-/// maps.
-std::uint64_t next_batch(std::uint64_t batch, double round_seconds, std::size_t bytes_per_tile) {
-  const std::uint64_t most = std::max<std::uint64_t>(1, (std::uint64_t{64} << 20) / bytes_per_tile);
-  return std::min(paced(batch, round_seconds, 2.0), most);
+/// The extent of the tiles of a new archive.
+Index3 choose_edge(const Job& job, const Lattice& lattice, const SweepOptions& options) {
+  Index3 edge = options.tile_edge
+                    ? *options.tile_edge
+                    : tile_edge(lattice.extent(), seconds_per_design(job, lattice, options.stop));
+  for (std::size_t d = 0; d < 3; ++d) edge[d] = std::min(edge[d], lattice.extent()[d]);
+  return edge;
 }
 
 /// Where a sweep stands before its first round.
@@ -295,7 +270,7 @@ struct Start {
 /// Finds or makes the partial file, as rank 0 alone does; `tally` becomes that of what is done.
 Start find_or_make(const Job& job, const Lattice& lattice, const SweepOptions& options,
                    const Place& place, const std::string& history, Tally& tally) {
-  Start start{.complete = place.complete, .edge = tile_edge(options, lattice)};
+  Start start{.complete = place.complete};
   const auto maps = map_infos(job.output);
   if (place.begun) {
     start.edge = place.begun->tile_edge;
@@ -303,6 +278,7 @@ Start find_or_make(const Job& job, const Lattice& lattice, const SweepOptions& o
     tally = place.begun->tally;
     continue_partial(job.output.file, Tiling(lattice, start.edge), maps, start.done, history);
   } else if (!place.complete) {
+    start.edge = choose_edge(job, lattice, options);
     // Where an archive is replaced, the command that continues is another one, without --overwrite:
     // only once there is something to continue.
     const auto stop = [&] { return !options.overwrite && options.stop(); };
@@ -348,24 +324,24 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   double counted = start_time;  // the seconds until then are in tallies
   while (next < tiling.size()) {
     const std::uint64_t end = std::min(next + batch * ranks, tiling.size());
-    const auto dealt = deal(next, end, ranks, lattice, tiling);
+    const auto assigned = assign_tiles(next, end, ranks, lattice, tiling);
     const double round_start = MPI_Wtime();
-    auto computed = compute(dealt[rank], job, lattice, options.stop);
+    auto computed = compute(assigned[rank], job, lattice, options.stop);
     const double round_seconds = mpi::max(MPI_Wtime() - round_start, comm);
     const bool all_computed = mpi::max(computed ? 0 : 1, comm) == 0;
     if (!all_computed) break;
 
-    write(dealt, rank, *computed, archive);
+    write(assigned, rank, *computed, archive);
     for (std::size_t i = 0; i < computed->size(); ++i) {
       ComputedTile& tile = (*computed)[i];
-      if (dealt[rank][i].number == next) {
+      if (assigned[rank][i].number == next) {
         tile.tally.integration_seconds = round_seconds;
         tile.tally.sweep_seconds = MPI_Wtime() - counted;
       }
       tally.add(tile.tally);
     }
     counted = MPI_Wtime();
-    archive.mark_done(next, gather(dealt[rank], *computed, next, end, comm));
+    archive.mark_done(next, gather(assigned[rank], *computed, next, end, comm));
     for (; next < end; ++next) designs_done += lattice.designs_in(tiling.tile(next));
     batch = next_batch(batch, round_seconds, bytes_per_tile);
     progress.update(designs_done);

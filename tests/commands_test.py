@@ -3,6 +3,7 @@
 Needs TREBSWEEP (the program) and MPIEXEC in the environment.
 """
 
+import itertools
 import os
 import subprocess
 import tempfile
@@ -80,6 +81,132 @@ class Help(CommandTest):
                          r"^trebsweep \d+\.\d+\.\d+ \(.+\)\nkernel: .+ \(\d lanes\)\n$")
 
 
+    def test_commands_of_one_process_do_not_start_mpi(self):
+        # A message layer that does not exist makes MPI_Init of Open MPI fail.
+        broken = {"OMPI_MCA_pml": "missing"}
+        if "Open MPI" not in subprocess.run([MPIEXEC, "--version"], capture_output=True, text=True,
+                                            check=True).stdout:
+            self.skipTest("knows how to break Open MPI only")
+        self.assertNotEqual(subprocess.run([PROGRAM, "sweep", self.job, *COARSE], cwd=self.folder, check=False,
+                                           capture_output=True, env={**os.environ, **broken}).returncode, 0)
+        for arguments in (["--help"], ["--version"], ["sweep", "--help"], ["assess", "-h"],
+                          ["trace", self.job, *Trace.DESIGN], ["trace", "--help"]):
+            self.assertTrue(self.run_program(*arguments, environment=broken).stdout)
+
+    def test_one_rank_speaks_for_all(self):
+        for arguments in (["--version"], ["trace", self.job, *Trace.DESIGN]):
+            self.assertEqual(self.run_program(*arguments, ranks=3).stdout, self.run_program(*arguments).stdout)
+
+
+class Precedence(CommandTest):
+    """A scene key in each of its four places, the highest precedence first."""
+
+    PLACES = ("option", "option's file", "job", "job's file")
+
+    def projectile_mass(self, places):
+        """The value that a sweep takes when the key is given in some places, each with its own number."""
+        arguments, job = [], "[scene]\n"
+        for place in places:
+            mass = f"projectile-mass = {50 + self.PLACES.index(place)}\n"
+            if place == "option":
+                arguments += ["--scene.projectile-mass", mass.split()[-1]]
+            elif place == "job":
+                job += mass
+            else:
+                path = self.write(f"scene{self.PLACES.index(place)}.cfg", f"[scene]\n{mass}")
+                if place == "job's file":
+                    job += f"file = {os.path.basename(path)}\n"
+                else:
+                    arguments += ["--scene.file", path]
+        path = self.write("job.cfg", job + "[lattice]\nincrement = 0.3\n")
+        done = self.run_program("sweep", path, *arguments, "--overwrite")
+        with h5py.File(self.path("job.h5")) as file:
+            line = next(x for x in file.attrs["job"].splitlines() if x.startswith("projectile-mass"))
+        self.assertIn(line, done.stdout)  # the summary names it
+        return int(line.split()[-1])
+
+    def test_of_each_pair_of_places_the_higher_one_wins(self):
+        for high, low in itertools.combinations(self.PLACES, 2):
+            with self.subTest(high=high, low=low):
+                self.assertEqual(self.projectile_mass([high, low]), 50 + self.PLACES.index(high))
+        for place in self.PLACES:
+            with self.subTest(place=place):
+                self.assertEqual(self.projectile_mass([place]), 50 + self.PLACES.index(place))
+
+    def test_a_scene_file_as_an_option_changes_the_papers_sweep(self):
+        wood = os.path.join(JOBS, "scenes", "wood.cfg")
+        done = self.run_program("sweep", os.path.join(JOBS, "paper.cfg"), "--scene.file", wood, *COARSE)
+        self.assertIn(f"scene     {wood}: beam-density = 700, beam-side = 0.2, beam-inertia = prism",
+                      done.stdout)
+        self.assertIn("solver    euler, time step 0.01 s", done.stdout)
+        info = self.run_program("info", "paper.h5").stdout
+        for line in done.stdout.splitlines():
+            if line.startswith(("scene ", "solver ")):
+                self.assertIn(line, info)
+
+
+class Warnings(CommandTest):
+    """What makes an answer doubtful is said on stderr, once each."""
+
+    def warnings(self, *arguments, job=None):
+        done = self.run_program("sweep", job or self.job, *arguments, "--overwrite", "--progress", "none", ranks=2)
+        return [line for line in done.stderr.splitlines() if line.startswith("warning: ")]
+
+    def test_an_optimum_on_an_edge_of_the_lattice_is_named_with_its_bound(self):
+        [warning] = self.warnings(*COARSE)
+        self.assertIn("on the edge of the lattice: r1 = 0.6 m, the smallest by h - h0 < r1 (47); "
+                      "r2 = 0.9 m, the largest by r2 < h0 - r3 (49)", warning)
+        [warning] = self.warnings("--lattice.r1", "0.6:0.8:0.1", "--lattice.r3", "0.58", "--lattice.r2", "0.8:1:0.1")
+        self.assertIn("the smallest by lattice.r1", warning)
+        self.assertNotIn("r3", warning)
+
+    def test_an_optimum_inside_the_lattice_is_not_doubtful(self):
+        self.assertEqual(self.warnings("--lattice.r1", "0.505:0.52:0.001", "--lattice.r3", "0.582",
+                                       "--lattice.r2", "0.916"), [])
+
+    def test_steps_that_change_statuses_or_create_energy_are_seen(self):
+        euler = self.write("euler.cfg", "[solver]\nstepper = euler\nrelease = window\ntime-step = 0.1\n")
+        warnings = self.warnings("--lattice.increment", "0.05", job=euler)
+        self.assertEqual(sum("another status when integrated accurately" in line for line in warnings), 1)
+        self.assertEqual(sum("an energy efficiency above 1" in line for line in warnings), 1)
+
+    def test_slack_slings_among_the_best_are_counted(self):
+        warnings = self.warnings("--scene.sling-angle", "1.5", "--lattice.increment", "0.05")
+        self.assertEqual(sum("sling that would go slack" in line for line in warnings), 1)
+        warnings = self.warnings("--scene.sling-angle", "1.5", "--lattice.increment", "0.05", "--output.optimum", "taut")
+        self.assertEqual(sum("sling that would go slack" in line for line in warnings), 0)
+
+
+class AccurateByDefault(CommandTest):
+    TABLETOP = ("[scene]\nfulcrum-height = 0.3\nrelease-height = 0.4\ncounterweight-mass = 2\n"
+                "projectile-mass = 0.02\nbeam-side = 0.01\nbeam-density = 700\n"
+                "[lattice]\nincrement = 0.02\nshortest-sling = 0.06\n")
+
+    def test_a_job_without_a_solver_is_right_to_1e_7(self):
+        job = self.write("tabletop.cfg", self.TABLETOP)
+        self.run_program("sweep", job, "--output.fields", "speed, speed-error, status")
+        with h5py.File(self.path("tabletop.h5")) as file:
+            self.assertLess(np.nanmax(np.abs(file["speed_error"][...])), 1e-7)
+
+    def test_keys_that_the_solver_does_not_use_are_refused(self):
+        self.assert_refused(["sweep", self.job, "--solver.time-step", "0.01"],
+                            "solver.time-step = 0.01: must be left out", "solver.tolerance")
+        self.assert_refused(["sweep", self.job, "--solver.release-window", "0.01"],
+                            "solver.release-window = 0.01: must be left out")
+        paper = os.path.join(JOBS, "paper.cfg")
+        self.assert_refused(["sweep", paper, "--solver.tolerance", "1e-9"],
+                            "solver.tolerance = 1e-9: must be left out", "solver.time-step")
+        self.assert_refused(["sweep", paper, "--solver.stepper", "dopri5"], "solver.release = window")
+
+
+class Scale(CommandTest):
+    def test_an_axis_of_millions_makes_progress_within_seconds(self):
+        done = self.run_program("sweep", self.job, "--lattice.r1", "0.6", "--lattice.r3", "0.58",
+                                "--lattice.r2", "0.1:0.9999999:1e-7", "--solver.stepper", "fehlberg78",
+                                "--time-limit", "5", ranks=2, code=75)
+        self.assertRegex(done.stderr, r"stopped with [1-9]\d* designs done")
+
+
 class Output(CommandTest):
     def test_a_summary_that_cannot_be_written_is_an_error(self):
         with open("/dev/full", "w", encoding="utf-8") as full:
@@ -116,7 +243,7 @@ class BadInput(CommandTest):
         self.assert_refused(["sweep", self.job, "--solver.stepper", "leapfrog"],
                             "solver.stepper = leapfrog", "euler", "dopri5")
         self.assert_refused(["sweep", self.job, "--output.fields", "speed,mass"],
-                            "output.fields = speed,mass", "release-time")
+                            "output.fields = mass", "release-time")
         self.assert_refused(["sweep", self.job, "--output.storage", "float16"],
                             "output.storage = float16", "float64, float32")
         self.assert_refused(["sweep", self.job, "--output.compression", "10"],
@@ -290,7 +417,7 @@ class Sweep(CommandTest):
         self.assertIn("100 %", done.stderr)
         self.assertNotIn("left", done.stdout)
         done = self.run_program("sweep", self.job, *COARSE, "--progress", "none", "--overwrite")
-        self.assertEqual(done.stderr, "")
+        self.assertNotIn("%", done.stderr.replace("within 5 %", ""))
 
 
 class ExistingFiles(CommandTest):
@@ -333,10 +460,19 @@ class ExistingFiles(CommandTest):
 class Trace(CommandTest):
     DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
 
-    def test_a_table_with_the_header_on_its_first_line(self):
+    @staticmethod
+    def table(text):
+        """The rows below the comments; numpy takes the first line for the header even if it is a comment."""
+        return np.genfromtxt([line for line in text.splitlines() if line[0] != "#"], names=True)
+
+    def test_a_table_with_comments_above_its_header_only(self):
         done = self.run_program("trace", os.path.join(JOBS, "paper.cfg"), *self.DESIGN)
-        self.assertTrue(done.stdout.startswith("t phi1 phi2 "))
-        table = np.genfromtxt(done.stdout.splitlines(), names=True)
+        lines = done.stdout.splitlines()
+        header = next(i for i, line in enumerate(lines) if line.startswith("t phi1 phi2 "))
+        self.assertTrue(all(line.startswith("# ") for line in lines[:header]))
+        self.assertNotIn("#", "".join(lines[header:]))
+        self.assertIn("# fulcrum-height = 1.5", lines)
+        table = self.table(done.stdout)
         self.assertEqual(len(table), 93)
         self.assertAlmostEqual(table["speed"][-1], 17.47606519, places=7)
 
@@ -345,8 +481,7 @@ class Trace(CommandTest):
         with h5py.File(self.path("job.h5")) as file:
             best = {name: file.attrs[f"best_{name}"] for name in ("r1", "r2", "r3", "speed")}
         options = [word for name in ("r1", "r2", "r3") for word in (f"--{name}", repr(float(best[name])))]
-        table = np.genfromtxt(self.run_program("trace", self.job, *options).stdout.splitlines(),
-                              names=True)
+        table = self.table(self.run_program("trace", self.job, *options).stdout)
         self.assertAlmostEqual(table["speed"][-1], best["speed"], places=7)
 
     def test_a_swing_without_release_says_so(self):
@@ -392,9 +527,10 @@ class Assess(CommandTest):
 
     def test_an_assessment_is_not_taken_for_its_jobs_sweep_nor_a_sweep_replaced(self):
         self.run_program("assess", self.job, *self.SMALL)
-        self.assert_refused(["sweep", self.job, *self.SMALL], "job.h5", "holds an assessment")
-        self.run_program("sweep", self.job, *self.SMALL, "--overwrite")
-        done = self.run_program("sweep", self.job, *self.SMALL, ranks=2)
+        lattice = self.SMALL[-2:]
+        self.assert_refused(["sweep", self.job, *lattice], "job.h5", "holds an assessment")
+        self.run_program("sweep", self.job, *lattice, "--overwrite")
+        done = self.run_program("sweep", self.job, *lattice, ranks=2)
         self.assertIn("complete archive of this job", done.stderr)
         self.assert_refused(["assess", self.job, *self.SMALL], "job.h5", "is there already")
 

@@ -115,7 +115,7 @@ TEST_CASE("Masses, heights and gravity must be above zero and of a physical magn
       INFO(key << " = " << value);
       CHECK_THROWS_WITH(
           parse("[scene]\n" + key + " = " + value),
-          contains("scene." + key + " = " + value + ": must be a number from 1e-12 to 1e+12"));
+          contains("scene." + key + " = " + value + ": must be a number above 0, from 1e-12 to 1e+12"));
     }
 }
 

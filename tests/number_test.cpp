@@ -33,7 +33,7 @@ TEST_CASE("A number outside its range is refused by key, value and range") {
   CHECK_THROWS_WITH(to_number("mass", "1e-13", physical_or_zero),
                     "mass = 1e-13: must be 0, or a number from 1e-12 to 1e+12");
   CHECK_THROWS_WITH(to_number("mass", "0", physical),
-                    "mass = 0: must be a number from 1e-12 to 1e+12");
+                    "mass = 0: must be a number above 0, from 1e-12 to 1e+12");
   for (const std::string value : {"nan", "inf", "-inf"})
     CHECK_THROWS_AS(to_number("mass", value, positive), InputError);
 }

@@ -15,6 +15,7 @@ namespace trebsweep {
 /// What an archive, complete or partial, holds, but for the values of its maps.
 struct Contents {
   std::string job;     ///< the text of its job file
+  std::string scene;   ///< its scene_text()
   std::string source;  ///< the program that made it
   std::string kernel;  ///< the instruction set it was computed with
   std::string history;

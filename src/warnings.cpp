@@ -1,0 +1,182 @@
+#include "trebsweep/warnings.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+
+#include "trebsweep/integrate.hpp"
+#include "trebsweep/mpi.hpp"
+#include "trebsweep/sample.hpp"
+#include "trebsweep/stepper_names.hpp"
+
+namespace trebsweep {
+namespace {
+
+/// A design that is integrated again.
+struct Check {
+  Design<double> design;
+  double speed, efficiency;
+  bool slack;
+  Status status, accurate_status;
+};
+
+std::string text_of(const Design<double>& d) {
+  return fmt::format("r1 = {}, r2 = {}, r3 = {} m", d.r1, d.r2, d.r3);
+}
+
+std::string_view name_of(Status status) { return status_names[static_cast<std::size_t>(status)]; }
+
+Index3 index_of(const Design<double>& design, const Lattice& lattice) {
+  const auto place = [&](std::size_t axis, double value) {
+    const auto& values = lattice.axes()[axis];
+    return static_cast<std::size_t>(std::lower_bound(values.begin(), values.end(), value) -
+                                    values.begin());
+  };
+  return {place(0, design.r1), place(1, design.r3), place(2, design.r2)};
+}
+
+/// The design at a place and those one step away along any of the axes.
+std::vector<Design<double>> neighbourhood(const Index3& centre, const Lattice& lattice) {
+  const Index3 extent = lattice.extent();
+  std::array<std::vector<std::size_t>, 3> near;
+  for (std::size_t d = 0; d < 3; ++d)
+    for (std::size_t i = centre[d] - std::min<std::size_t>(centre[d], 1);
+         i < std::min(centre[d] + 2, extent[d]); ++i)
+      near[d].push_back(i);
+  std::vector<Design<double>> designs;
+  for (const std::size_t i1 : near[0])
+    for (const std::size_t i3 : near[1])
+      for (const std::size_t i2 : near[2])
+        if (lattice.holds({i1, i3, i2})) designs.push_back(lattice.design({i1, i3, i2}));
+  return designs;
+}
+
+/// Integrates designs again, by the job's solver and, if that has a fixed step, accurately.
+/// Collective.
+std::vector<Check> integrate_again(const Job& job, const std::vector<Design<double>>& designs,
+                                   MPI_Comm comm) {
+  constexpr std::size_t part = 16;  // fills the lanes
+  const bool fixed = !follows_tolerance(job.solver.stepper);
+  const auto parts = mpi::share((designs.size() + part - 1) / part, comm, [&](std::size_t p) {
+    const std::size_t first = p * part, count = std::min(part, designs.size() - first);
+    const auto some = std::span(designs).subspan(first, count);
+    const std::array fields{Field::efficiency, Field::slack};
+    std::array<Shot, part> shots, accurately;
+    std::array<double, part * fields.size()> values;
+    integrate(job.scene, job.solver, some, fields, std::span(shots).first(count),
+              std::span(values).first(count * fields.size()));
+    if (fixed)
+      integrate(job.scene, accurate(job.solver), some, {}, std::span(accurately).first(count), {});
+    std::array<Check, part> checks{};
+    for (std::size_t i = 0; i < count; ++i)
+      checks[i] = {some[i],         shots[i].speed,
+                   values[2 * i],   values[2 * i + 1] == 2,
+                   shots[i].status, fixed ? accurately[i].status : shots[i].status};
+    return checks;
+  });
+  std::vector<Check> checks;
+  for (const auto& some : parts) checks.insert(checks.end(), some.begin(), some.end());
+  checks.resize(designs.size());
+  return checks;
+}
+
+/// The bounds that the optimum's lengths lie at, as "r1 = 0.51 m, the smallest by h - h0 < r1
+/// (47)".
+std::vector<std::string> bounds_at(const Index3& place, const Job& job, const Lattice& lattice) {
+  struct Axis {
+    const char* name;
+    const std::optional<AxisRange>& given;
+    const char *lower, *upper;
+    std::size_t count;
+  };
+  const LatticeSpec& spec = job.lattice;
+  std::size_t row = 0;
+  while (row < lattice.extent()[2] && lattice.holds({0, place[1], row})) ++row;
+  const std::array<Axis, 3> axes{
+      {{"r1", spec.r1, "h - h0 < r1 (47)", "r1 < h0 (47)", lattice.extent()[0]},
+       {"r3", spec.r3, "lattice.shortest-sling", "r3 < h0 (48)", lattice.extent()[1]},
+       {"r2", spec.r2, "0 < r2 (49)", "r2 < h0 - r3 (49)", row}}};
+  std::vector<std::string> bounds;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const Axis& axis = axes[d];
+    const bool largest = place[d] + 1 == axis.count;
+    if (lattice.extent()[d] == 1 || (place[d] > 0 && !largest)) continue;
+    bounds.push_back(fmt::format(
+        "{} = {} m, the {} by {}", axis.name, lattice.axes()[d][place[d]],
+        largest ? "largest" : "smallest",
+        axis.given ? fmt::format("lattice.{}", axis.name) : (largest ? axis.upper : axis.lower)));
+  }
+  return bounds;
+}
+
+std::string efficiency_warning(const std::vector<Check>& checks) {
+  constexpr double rounding = 1e-6;
+  const auto is_impossible = [](const Check& c) { return c.efficiency > 1 + rounding; };
+  const auto count = std::count_if(checks.begin(), checks.end(), is_impossible);
+  if (count == 0) return "";
+  const auto most =
+      std::max_element(checks.begin(), checks.end(), [&](const Check& a, const Check& b) {
+        return (is_impossible(a) ? a.efficiency : 0) < (is_impossible(b) ? b.efficiency : 0);
+      });
+  return fmt::format(
+      "an energy efficiency above 1 in {} of {} designs checked, up to {:.4g} at {}: the solver "
+      "creates energy; reduce its step or its tolerance",
+      count, checks.size(), most->efficiency, text_of(most->design));
+}
+
+std::string status_warning(const std::vector<Check>& checks, const Solver& solver) {
+  const auto differs = [](const Check& c) { return c.status != c.accurate_status; };
+  const auto first = std::find_if(checks.begin(), checks.end(), differs);
+  if (first == checks.end()) return "";
+  return fmt::format(
+      "another status when integrated accurately in {} of {} designs checked, such as {}: {} "
+      "instead of {}; reduce solver.time-step, or choose an adaptive stepper instead of {}",
+      std::count_if(checks.begin(), checks.end(), differs), checks.size(), text_of(first->design),
+      name_of(first->accurate_status), name_of(first->status), solver.stepper);
+}
+
+std::string slack_warning(const std::vector<Check>& checks, double best_speed) {
+  constexpr double near = 0.95;
+  const auto is_best = [&](const Check& c) { return c.speed >= near * best_speed; };
+  const auto slack = std::count_if(checks.begin(), checks.end(),
+                                   [&](const Check& c) { return is_best(c) && c.slack; });
+  if (slack == 0) return "";
+  return fmt::format(
+      "a sling that would go slack before the release in {} of {} designs checked within 5 % of "
+      "the "
+      "optimum's speed, where the rigid sling of the model pushes; the field slack marks such "
+      "designs, output.optimum = taut leaves them out",
+      slack, std::count_if(checks.begin(), checks.end(), is_best));
+}
+
+}  // namespace
+
+std::vector<std::string> warnings(const Job& job, const Lattice& lattice, const Summary& summary,
+                                  MPI_Comm comm) {
+  std::vector<std::string> lines;
+  const auto add = [&](const std::string& line) {
+    if (!line.empty()) lines.push_back(line);
+  };
+  std::vector<Design<double>> designs = sample(lattice, 128);
+  if (summary.optimum) {
+    const Index3 place = index_of(summary.optimum->design, lattice);
+    const auto near = neighbourhood(place, lattice);
+    for (const auto& design : near)
+      if (std::none_of(designs.begin(), designs.end(), [&](const auto& d) {
+            return index_of(d, lattice) == index_of(design, lattice);
+          }))
+        designs.push_back(design);
+    if (const auto bounds = bounds_at(place, job, lattice); !bounds.empty())
+      add(fmt::format("the optimum lies on the edge of the lattice: {}", fmt::join(bounds, "; ")));
+  }
+  const auto checks = integrate_again(job, designs, comm);
+  add(efficiency_warning(checks));
+  add(status_warning(checks, job.solver));
+  if (summary.optimum && job.output.contest == Contest::all && job.scene.sling_stiffness == 0)
+    add(slack_warning(checks, summary.optimum->speed));
+  return lines;
+}
+
+}  // namespace trebsweep

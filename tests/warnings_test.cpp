@@ -1,0 +1,64 @@
+#include "trebsweep/warnings.hpp"
+
+#include "catch.hpp"
+#include "paper_solver.hpp"
+#include "trebsweep/integrate.hpp"
+#include "trebsweep/sample.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+/// The warnings of a job, of which the whole lattice is integrated.
+std::vector<std::string> warnings_of(const Job& job) {
+  const Lattice lattice(job.scene, job.lattice);
+  Summary summary;
+  for (const auto& design : all_designs(lattice)) {
+    Shot shot;
+    integrate(job.scene, job.solver, {&design, 1}, {}, {&shot, 1}, {});
+    if (is_shot(shot.status) && (!summary.optimum || shot.speed > summary.optimum->speed))
+      summary.optimum = {design, shot.speed, shot.release_time};
+  }
+  return warnings(job, lattice, summary, MPI_COMM_WORLD);
+}
+
+Job coarse_job() {
+  Job job;
+  job.lattice.increment = 0.1;
+  return job;
+}
+
+}  // namespace
+
+TEST_CASE("The paper's optimum lies on two edges of its lattice") {
+  const auto lines = warnings_of(coarse_job());
+  REQUIRE(lines.size() == 1);
+  CHECK(
+      lines[0] ==
+      "the optimum lies on the edge of the lattice: r1 = 0.6 m, the smallest by h - h0 < r1 (47); "
+      "r2 = 0.9 m, the largest by r2 < h0 - r3 (49)");
+}
+
+TEST_CASE("An axis with one value has no edge") {
+  Job job = coarse_job();
+  job.lattice.r1 = AxisRange{0.51, 0.51, 1};
+  job.lattice.r3 = AxisRange{0.58, 0.58, 1};
+  job.lattice.r2 = AxisRange{0.8, 1.1, 0.1};
+  CHECK(warnings_of(job).empty());
+}
+
+TEST_CASE("A lattice without a release has no optimum to doubt") {
+  Job job = coarse_job();
+  job.scene.pivot_friction = 1e9;
+  CHECK(warnings_of(job).empty());
+}
+
+TEST_CASE("Steps of a fifth of a second are seen to change statuses") {
+  Job job = coarse_job();
+  job.solver = paper_solver();
+  job.solver.time_step = 0.2;
+  const auto lines = warnings_of(job);
+  CHECK(std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
+          return line.find("another status when integrated accurately") != line.npos;
+        }) == 1);
+}
