@@ -182,7 +182,7 @@ po::variables_map parse_options(Command command, int argc, const char* const* ar
 
 double length(const po::variables_map& given, const std::string& name) {
   if (!given.count(name)) throw InputError("--" + name + ": missing; give its length in metres");
-  return to_number(name, given[name].as<std::string>(), positive);
+  return to_number(name, given[name].as<std::string>(), physical);
 }
 
 Command to_command(const std::string& name) {

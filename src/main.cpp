@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -151,7 +152,14 @@ bool is_other_rank() {
   }
 }
 
-/// Runs f, which returns the exit code; a failure that is the user's is told, if `tell`.
+/// A message on one line, without control characters, which a terminal would obey.
+std::string one_line(std::string text) {
+  const auto is_control = [](unsigned char c) { return std::iscntrl(c) != 0; };
+  std::replace_if(text.begin(), text.end(), is_control, '?');
+  return text;
+}
+
+/// Runs f, which returns the exit code. An error in the user's input is printed if `tell`.
 template <class F>
 int exit_code(bool tell, F f) {
   try {
@@ -160,7 +168,7 @@ int exit_code(bool tell, F f) {
     std::perror("trebsweep: cannot write to stdout");
     return 1;
   } catch (const InputError& error) {
-    if (tell) fmt::print(stderr, "trebsweep: {}\n", error.what());
+    if (tell) fmt::print(stderr, "trebsweep: {}\n", one_line(error.what()));
     return 2;
   }
 }

@@ -1,0 +1,279 @@
+"""Odd inputs: each ends within 10 s with the expected exit code, and where that is 2, with one line on stderr,
+nothing on stdout, and a folder that is as it was.
+
+Needs TREBSWEEP (the program) in the environment.
+"""
+
+import concurrent.futures
+import os
+import re
+import stat
+import subprocess
+import tempfile
+import unittest
+
+PROGRAM = os.environ["TREBSWEEP"]
+LONG = "9" * 5000
+DESIGN = ["--r1", "0.6", "--r2", "0.9", "--r3", "0.5"]
+TINY = ["--lattice.increment", "0.3", "--progress", "none"]
+EULER = ["--solver.stepper", "euler"]
+
+NO_NUMBERS = ["", " ", "nonsense", "nan", "-nan", "inf", "1e999", "1,5", "0x10", "1 kg", "--1", "1e", "½", LONG]
+MAGNITUDES = ["1e300", "1.1e12", "9e-13", "1e-300", "-1"]
+
+
+def scene_keys():
+    """Values that no machine has, key by key."""
+    masses = ["gravity", "counterweight-mass", "projectile-mass", "release-height", "fulcrum-height"]
+    others = ["beam-density", "beam-side", "pivot-viscosity", "pivot-friction", "sling-mass", "sling-stiffness",
+              "sling-damping"]
+    for key in masses + others:
+        for value in NO_NUMBERS[:8] + MAGNITUDES + (["0"] if key in masses else []):
+            yield ["trace", "job.cfg", *DESIGN, f"--scene.{key}={value}"], 2
+    for value in [*NO_NUMBERS, "4", "-3.2"]:
+        yield ["trace", "job.cfg", *DESIGN, f"--scene.sling-angle={value}"], 2
+    for value in ["", "Prism", "rod", "slender,prism"]:
+        yield ["trace", "job.cfg", *DESIGN, f"--scene.beam-inertia={value}"], 2
+    yield ["trace", "job.cfg", *DESIGN, "--scene.sling-damping", "5"], 2
+    for key in masses:
+        yield ["trace", "job.cfg", *DESIGN, f"--scene.{key}", " +1.6 "], 0
+    for value in ["1e12", "1e-12"]:
+        yield ["trace", "job.cfg", *DESIGN, "--scene.projectile-mass", value], 0
+
+
+def solver_keys():
+    """Solvers that do not exist, or that do not go together."""
+    def refused(*options):
+        return ["trace", "job.cfg", *DESIGN, *options], 2
+
+    for value in ["", "Euler", "rk45", "dopri5 ", "euler,rk4"]:
+        yield refused(f"--solver.stepper={value}")
+    for value in [*NO_NUMBERS, "0", "-0.01"]:
+        yield refused(*EULER, f"--solver.time-step={value}")
+    for value in [*NO_NUMBERS, "0", "1", "1e-16", "-1e-9"]:
+        yield refused(f"--solver.tolerance={value}")
+    for value in ["", "nan", "0", "-1", "1e-30"]:
+        yield refused(f"--solver.target-error={value}")
+    for value in ["", "Window", "crossing,window"]:
+        yield refused(*EULER, f"--solver.release={value}")
+    for value in ["", "nan", "0", "-0.05", "1.5708", "10"]:
+        yield refused(*EULER, "--solver.release", "window", f"--solver.release-window={value}")
+    for value in ["", "nan", "inf", "0", "-1"]:
+        yield refused(f"--solver.max-time={value}")
+    for value in ["", "0", "-1", "1.5", "1e6", "99999999999999999999", "1000000000001"]:
+        yield refused(f"--solver.max-steps={value}")
+    yield refused("--solver.release", "window")
+    yield refused("--solver.release-window", "0.05")
+    yield refused("--solver.time-step", "0.01")
+    yield refused(*EULER, "--solver.tolerance", "1e-9")
+    yield refused(*EULER, "--solver.target-error", "1e-6")
+    yield refused("--solver.tolerance", "1e-9", "--solver.target-error", "1e-6")
+    yield ["trace", "job.cfg", *DESIGN, "--solver.max-steps", "1"], 0
+    yield ["trace", "job.cfg", *DESIGN, "--solver.max-time", "1e-300"], 0
+
+
+def lattices():
+    """Lattices that are empty, endless or ill-written."""
+    def sweep(code, *options):
+        return ["sweep", "job.cfg", "--progress", "none", *options], code
+
+    for value in ["", "nan", "0", "-0.01", "1e-300", "1e-13", "1e-12", "1e-9", "2", "1e13"]:
+        yield sweep(2, f"--lattice.increment={value}")
+    for value in ["", "nan", "0", "1.5", "1e13"]:
+        yield sweep(2, f"--lattice.shortest-sling={value}")
+    for value in ["", ":", "::", "1:2", "1:2:3:4", "0:1:0.1", "1:0.5:0.1", "0.5:1:0", "0.5:1:-0.1", "a:b:c", "nan",
+                  "0.5:inf:1", "1e13", "0.5:1.0:0.3", "0.5:1:1e-13", "1e-12:1:1e-12"]:
+        yield sweep(2, f"--lattice.r1={value}")
+    yield sweep(2, "--lattice.r3", "2")
+    yield sweep(2, "--scene.release-height", "3.5")
+    yield sweep(0, "--lattice.r1", "0.6", "--lattice.r3", "1e12", "--lattice.r2", "1e-12")
+    yield sweep(0, "--lattice.r1", "0.1", "--lattice.r3", "0.5", "--lattice.r2", "1")  # unreachable_start
+
+
+def outputs():
+    """Places that are no file, and lists that are none."""
+    def sweep(code, *options):
+        return ["sweep", "job.cfg", *TINY, *options], code
+
+    for value in ["", ",", "speed,mass", "speed,speed", "speed;status", "Speed", LONG]:
+        yield sweep(2, f"--output.fields={value}")
+    for value in ["", "float16", "Float64"]:
+        yield sweep(2, f"--output.storage={value}")
+    for value in ["", "10", "-1", "1.5", "nine"]:
+        yield sweep(2, f"--output.compression={value}")
+    yield sweep(2, "--output.optimum", "slack")
+    yield sweep(2, "--scene.beam-side", "0", "--output.fields", "peak-beam-stress")
+    for name in ["", ".", "..", "/", "folder", "folder/", "no/such.h5", "job.cfg/x.h5", "a#b.h5", "a\nb.h5", "x" * 248,
+                 "x" * 255, "x" * 300, "job.cfg", "text.txt", "empty", "fifo", "/dev/null", "loop", "link_to_fifo",
+                 "link_to_folder", "socket"]:
+        yield sweep(2, f"--output.file={name}")
+    for name in ["partial_fifo.h5", "partial_text.h5", "partial_folder.h5", "partial_job.h5", "lock_text.h5",
+                 "lock_link.h5", "lock_fifo.h5", "lock_folder.h5"]:
+        for more in [[], ["--overwrite"]]:
+            yield sweep(2, "--output.file", name, *more)
+    yield sweep(0, "--output.file", "a name with blanks.h5")
+    yield sweep(0, "--output.file", "-.h5")
+    yield sweep(0, "--output.file", "ünïcödé.h5")
+    yield sweep(0, "--output.file", "no_suffix")
+    yield sweep(0, "--output.file", "dangling")
+
+
+def command_lines():
+    """Command lines that say nothing, too much, or nonsense."""
+    for arguments in [[], ["swep"], [""], [LONG], ["--halp"], ["sweep"], ["trace"], ["assess"], ["info"], ["sweep", "a", "b"],
+                      ["info", "a", "b"], ["sweep", "job.cfg", "--overwrit"], ["sweep", "job.cfg", "--scene.gravity"],
+                      ["sweep", "job.cfg", "--scene.gravity", "9", "--scene.gravity", "9"],
+                      ["sweep", "job.cfg", "--r1", "1"], ["sweep", "job.cfg", "--gravity", "9"],
+                      ["sweep", "job.cfg", "--scene.gravitiy", "9"], ["sweep", "job.cfg", f"--{LONG}", "9"],
+                      ["sweep", "job.cfg", "--interval", "1"], ["sweep", "job.cfg", "--assess.designs", "3"],
+                      ["sweep", "job.cfg", "--progress", "loud"], ["sweep", "job.cfg", "--progress", ""],
+                      ["trace", "job.cfg"], ["trace", "job.cfg", "--r1", "1", "--r2", "1"],
+                      ["trace", "job.cfg", "--r1", "x", "--r2", "1", "--r3", "1"],
+                      ["trace", "job.cfg", "--r1", "-1", "--r2", "1", "--r3", "1"],
+                      ["trace", "job.cfg", "--r1", "1e13", "--r2", "1", "--r3", "1"],
+                      ["trace", "job.cfg", "--r1", "0.3", "--r2", "1", "--r3", "1"],
+                      ["trace", "job.cfg", *DESIGN, "--interval", "0"],
+                      ["trace", "job.cfg", *DESIGN, "--interval", "1e-300"],
+                      ["trace", "job.cfg", *DESIGN, "--output.file", "a.txt"],
+                      ["trace", "job.cfg", *DESIGN, "--overwrite"],
+                      ["trace", "job.cfg", *DESIGN, "--lattice.increment", "0.1"],
+                      ["assess", "job.cfg", "--assess.scenes", "missing.cfg"],
+                      ["assess", "job.cfg", "--assess.scenes", "fifo"], ["assess", "job.cfg", "--assess.steppers", ""],
+                      ["assess", "job.cfg", "--assess.steppers", "rk4,rk4"],
+                      ["assess", "job.cfg", "--assess.time-steps", "0"],
+                      ["assess", "job.cfg", "--assess.tolerances", "1e-9,1"],
+                      ["assess", "job.cfg", "--assess.designs", "0"], ["assess", "job.cfg", "--time-limit", "1"],
+                      ["info", "missing.h5"], ["info", "folder"], ["info", "fifo"], ["info", "/dev/null"], ["info", "loop"],
+                      ["info", "x" * 300], ["info", "job.cfg", "--overwrite"]]:
+        yield arguments, 2
+    for name in ["text.txt", "empty", "foreign.h5"]:
+        yield ["info", name], 1
+    for limit in ["", "0", "-5", "nan", "1:", ":30", "1-12", "1:2:3:4", "soon", "1e999"]:
+        yield ["sweep", "job.cfg", f"--time-limit={limit}"], 2
+    for arguments in [["--help"], ["-h"], ["--version"], ["sweep", "--help"], ["sweep", "missing.cfg", "-h"],
+                      ["info", "--help"]]:
+        yield arguments, 0
+
+
+JOB_FILES = {
+    "no_section": ("gravity = 9.8\n", 2), "unknown_section": ("[sceen]\ngravity = 9.8\n", 2),
+    "unknown_key": ("[scene]\ngravitiy = 9.8\n", 2), "key_as_section": ("[scene.gravity]\nx = 1\n", 2),
+    "duplicate": ("[scene]\ngravity = 9\ngravity = 9\n", 2), "twice": ("[scene]\ngravity = 9\n[scene]\ngravity = 9\n", 2),
+    "hash": ("[output]\nfile = run#2.h5\n", 2), "words": ("This is a letter.\n", 2), "bracket": ("[scene\n", 2),
+    "empty_section": ("[]\ngravity = 9\n", 2), "no_key": ("[scene]\n= 9\n", 2), "no_value": ("[scene]\ngravity =\n", 2),
+    "placeholder": ("%invalid_line%\n", 2), "two_equals": ("[scene]\ngravity = 9 = 8\n", 2),
+    "long_line": ("[scene]\n" + "x" * 100000 + "\n", 2), "long_value": (f"[scene]\ngravity = {LONG}\n", 2),
+    "long_key": (f"[scene]\n{LONG} = 1\n", 2), "huge": ("#" * (2 << 20), 2), "binary": ("[scene]\n\0\1\2", 2),
+    "escape": ("[scene]\ngravity = \x1b[31m9\n", 2), "json": ('{"scene": {"gravity": 9.8}}\n', 2),
+    "yaml": ("scene:\n  gravity: 9.8\n", 2), "semicolon": ("; a comment\n[scene]\n", 2),
+    "quoted": ('[scene]\ngravity = "9.8"\n', 2), "unit": ("[scene]\nfulcrum-height = 1.5 m\n", 2),
+    "nested": ("[scene]\nfile = nesting.cfg\n", 2), "missing_scene": ("[scene]\nfile = missing.cfg\n", 2),
+    "fifo_scene": ("[scene]\nfile = fifo\n", 2), "folder_scene": ("[scene]\nfile = folder\n", 2),
+    "itself": ("[scene]\nfile = itself.cfg\n", 2), "scene_is_a_job": ("[scene]\nfile = a_job.cfg\n", 2),
+    "nonsense_under_option": ("[solver]\ntime-step = 0.1\n", 2), "unused_tolerance": ("[solver]\nstepper = rk4\ntolerance = 1e-9\n", 2),
+    "empty": ("", 0), "comment": ("# nothing\n", 0), "crlf": ("[scene]\r\ngravity = 9\r\n", 0),
+    "no_newline": ("[scene]\ngravity = 9", 0), "blanks": ("  [scene]  \n\t gravity\t=\t9  # g\n\n", 0),
+    "byte_order_mark": ("\ufeff[scene]\ngravity = 9\n", 0), "plus": ("[scene]\ngravity = +9\n", 0),
+    "empty_sections": ("[scene]\n[solver]\n[scene]\n", 0), "scene_file": ("[scene]\nfile = scene.cfg\n", 0),
+}
+
+
+def job_files():
+    """Job files of every kind but the right one, and right ones that look odd."""
+    for name, (_, code) in JOB_FILES.items():
+        yield ["trace", f"{name}.cfg", *DESIGN], code
+    for name in ["missing.cfg", "folder", "fifo", "/dev/null", "/dev/zero", "", "x" * 300, "loop", "utf16.cfg", "link_to_fifo",
+                 "socket"]:
+        yield ["trace", name, *DESIGN], 2
+        yield ["trace", "job.cfg", *DESIGN, f"--scene.file={name}"], 2
+    yield ["sweep", "fifo"], 2
+    yield ["sweep", "duplicate.cfg"], 2
+
+
+def cases():
+    """(arguments, exit code) of every case."""
+    return [case for kind in (scene_keys, solver_keys, lattices, outputs, command_lines, job_files) for case in kind()]
+
+
+def fill(folder):
+    """The files that the cases name."""
+    def write(name, text):
+        with open(os.path.join(folder, name), "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+
+    write("job.cfg", "")
+    write("text.txt", "precious\n")
+    write("empty", "")
+    write("foreign.h5", "\x89HDF\r\n\x1a\nrest")
+    write("scene.cfg", "[scene]\ngravity = 9\n")
+    write("nesting.cfg", "[scene]\nfile = scene.cfg\n")
+    write("a_job.cfg", "[solver]\nstepper = rk4\n")
+    for name, (text, _) in JOB_FILES.items():
+        write(f"{name}.cfg", text)
+    with open(os.path.join(folder, "utf16.cfg"), "w", encoding="utf-16") as file:
+        file.write("[scene]\ngravity = 9\n")
+    os.mkdir(os.path.join(folder, "folder"))
+    for name in ["fifo", "partial_fifo.h5.partial", "lock_fifo.h5.lock"]:
+        os.mkfifo(os.path.join(folder, name))
+    os.mknod(os.path.join(folder, "socket"), 0o600 | stat.S_IFSOCK)
+    for name in ["partial_folder.h5.partial", "lock_folder.h5.lock"]:
+        os.mkdir(os.path.join(folder, name))
+    write("partial_text.h5.partial", "precious\n")
+    write("lock_text.h5.lock", "precious\n")
+    for name, target in [("loop", "loop"), ("link_to_fifo", "fifo"), ("link_to_folder", "folder"),
+                         ("dangling", "target.h5"), ("lock_link.h5.lock", "job.cfg"),
+                         ("partial_job.h5.partial", "job.cfg")]:
+        os.symlink(target, os.path.join(folder, name))
+
+
+def snapshot(folder):
+    """What a folder holds: kinds, targets of links, contents."""
+    found = {}
+    for root, folders, files in os.walk(folder):
+        for name in folders + files:
+            path = os.path.join(root, name)
+            kind = stat.S_IFMT(os.lstat(path).st_mode)
+            content = os.readlink(path) if kind == stat.S_IFLNK else None
+            if kind == stat.S_IFREG:
+                with open(path, "rb") as file:
+                    content = file.read()
+            found[os.path.relpath(path, folder)] = (kind, content)
+    return found
+
+
+def complaint(case):
+    """What is wrong with the program's answer to a case, or nothing."""
+    arguments, code = case
+    shown = " ".join(repr(a if len(a) < 60 else a[:60] + "...") for a in arguments)
+    with tempfile.TemporaryDirectory(prefix="trebsweep_") as folder:
+        fill(folder)
+        before = snapshot(folder)
+        try:
+            done = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, timeout=10, check=False,
+                                  stdin=subprocess.DEVNULL, errors="replace")
+        except subprocess.TimeoutExpired:
+            return f"{shown}: still running after 10 s"
+        wrong = []
+        if done.returncode != code:
+            wrong.append(f"exit code {done.returncode} instead of {code}")
+        if code == 2:
+            if done.stdout:
+                wrong.append(f"on stdout: {done.stdout[:200]!r}")
+            if not re.fullmatch(r"trebsweep: [^\n]+\n", done.stderr) or len(done.stderr) > 3000:
+                wrong.append("not one short line on stderr")
+            if snapshot(folder) != before:
+                wrong.append("the folder has changed")
+        return f"{shown}: {'; '.join(wrong)}; stderr: {done.stderr[:300]!r}" if wrong else None
+
+
+class OddInputs(unittest.TestCase):
+    def test_each_ends_within_seconds_with_its_exit_code_and_without_harm(self):
+        inputs = cases()
+        self.assertGreaterEqual(len(inputs), 300)
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            complaints = [text for text in pool.map(complaint, inputs) if text]
+        self.assertEqual(complaints, [], f"{len(complaints)} of {len(inputs)}:\n" + "\n".join(complaints))
+
+
+if __name__ == "__main__":
+    unittest.main()
