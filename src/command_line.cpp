@@ -49,9 +49,9 @@ Integrates every design (r1, r3, r2) of the job's lattice, on all ranks it was s
 maps of what each one does into one HDF5 archive (see output.file). While it works, the file's name ends
 in .partial.
 
-An interrupted sweep is continued by the same command, on any number of ranks; nothing that was done is
-lost, even by a kill, but for the last few seconds. SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and --time-limit stop
-it in good order, with exit code 75.
+The same command continues an interrupted sweep, on any number of ranks; even a kill loses only the last
+few seconds. SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and --time-limit stop a sweep with everything written and
+exit code 75. Warnings after the summary name what makes the result doubtful.
 
 )";
 
