@@ -53,11 +53,12 @@ def read_table(path):
 
 
 def setting(table, key):
-    """A number of the comments, or None."""
+    """A finite number of the comments, or None."""
     try:
-        return float(table.comments[key])
+        value = float(table.comments[key])
     except (KeyError, ValueError):
         return None
+    return value if np.isfinite(value) else None
 
 
 def last_row(table):
@@ -83,10 +84,10 @@ def last_velocity(table):
                          arm * end["w1"] * np.sin(end["phi1"])
                          + sling[-1] * end["w2"] * np.sin(end["phi2"])])
     direction = np.array([end["x3"] - end["xt"], end["y3"] - end["yt"]]) / sling[-1]
-    if np.ptp(sling) <= 1e-6 * sling[-1]:
+    times, places = np.unique(table.rows["t"], return_index=True)
+    if len(times) < 2 or np.ptp(sling) <= 1e-6 * sling[-1]:
         return velocity
     # |velocity + stretch direction| = speed has two solutions: the one nearer to the last rows'.
-    times, places = np.unique(table.rows["t"], return_index=True)
     seen = np.gradient(sling[places], times)[-1]
     along = velocity @ direction
     root = np.sqrt(max(along**2 - velocity @ velocity + end["speed"] ** 2, 0))

@@ -545,7 +545,8 @@ class Installed(ScriptTest):
                        capture_output=True, timeout=120)
         done = subprocess.run([sys.executable, "-B", f"{share}/analysis/loads.py", "small.h5",
                                "--count", "1"], cwd=self.folder, text=True, capture_output=True,
-                              timeout=120, check=False, env={"PATH": "/nowhere"})
+                              timeout=120, check=False,
+                              env={**os.environ, "PATH": "/nowhere"})
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assert_picture("small-loads.png")
 
