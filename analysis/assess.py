@@ -108,9 +108,10 @@ def draw_ladders(assessment, abscissa, label, title):
     lines = {line.get_label(): line for panel in axes for line in panel.get_lines()
              if line.get_label() in assessment.steppers()}
     # Above the panels, where the title leaves it room.
-    figure.suptitle(title + ("\n\n" if len(scenes) > 2 else "\n\n\n\n"))
+    columns = max(1, min(len(lines), 3 * len(scenes)))
+    figure.suptitle(title + "\n" * (1 - -len(lines) // columns))
     figure.legend(lines.values(), lines.keys(), loc="upper center", fontsize=9, frameon=False,
-                  ncol=len(lines) if len(scenes) > 2 else 3, bbox_to_anchor=(0.5, 0.97))
+                  ncol=columns, bbox_to_anchor=(0.5, 1 - 0.25 / figure.get_figheight()))
     return figure
 
 
@@ -123,7 +124,8 @@ def draw_stability(assessment):
     explicit = [s for s in numbers if s in table["stepper"] and s != "rosenbrock4"]
     for place, stepper in enumerate(explicit):
         rows = table["stepper"] == stepper
-        x = np.array([scenes.index(s) for s in table["scene"][rows]]) + (place - 2.5) * 0.12
+        offset = 0.12 * (place - (len(explicit) - 1) / 2)
+        x = np.array([scenes.index(s) for s in table["scene"][rows]]) + offset
         kind = style(stepper, numbers[stepper])
         panel.plot(x, table["stable_step"][rows], linestyle="none", color=kind["color"],
                    marker=kind["marker"], label=stepper)
@@ -131,6 +133,7 @@ def draw_stability(assessment):
                    marker=kind["marker"], fillstyle="none")
     panel.set_yscale("log")
     stiffness = [table["stiffness"][table["scene"] == scene][0] for scene in scenes]
+    panel.set_xlim(-0.5, len(scenes) - 0.5)
     panel.set_xticks(range(len(scenes)),
                      [f"{s.replace('_', ' ')}\n{k:.3g} /s" for s, k in zip(scenes, stiffness)])
     panel.set_xlabel("scene, and the largest modulus of its eigenvalues")

@@ -6,6 +6,7 @@ from picture import labelled, plt, readable_unit, set_title, wrapped
 
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, SymLogNorm
+from matplotlib.ticker import MaxNLocator
 
 # The planes: (fixed axis, horizontal axis, vertical axis).
 PLANES = (("r1", "r2", "r3"), ("r3", "r2", "r1"), ("r2", "r3", "r1"))
@@ -76,11 +77,14 @@ def draw_contours(axes, archive, names, values):
     axes.clabel(lines, fontsize=7, fmt="%g")
 
 
-def draw_plane(axes, archive, names, values, style):
+def draw_plane(axes, archive, names, values, style, contours):
     """The values of a plane; returns their colours, for the colour bar."""
-    mesh = axes.pcolormesh(*(edges(archive.axes[name]) for name in names), values, rasterized=True,
-                           **style)
-    axes.set_ylabel(axis_label(archive, names[1]))
+    limits = [edges(archive.axes[name]) for name in names]
+    mesh = axes.pcolormesh(*limits, values, rasterized=True, **style)
+    if contours:
+        draw_contours(axes, archive, names, values)
+    axes.set(xlim=limits[0][[0, -1]], ylim=limits[1][[0, -1]],
+             ylabel=axis_label(archive, names[1]))
     return mesh
 
 
@@ -114,6 +118,9 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
         axes.set_facecolor(background if len(names) > 1 else "white")
         axes.set_title(place_text(archive, names, centre))
         axes.set_xlabel(axis_label(archive, names[0]))
+        lengths = archive.axes[names[0]]
+        if np.ptp(lengths) < 0.02 * lengths[-1]:  # its labels have many digits
+            axes.xaxis.set_major_locator(MaxNLocator(4))
         marked = star is not None and shows(archive, names, centre, star)
         if len(names) == 1:
             draw_line(axes, archive, *names, part, style, meanings)
@@ -122,9 +129,7 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
             place = marked and (star[names[0]],
                                 part[archive.index(names[0], star[names[0]])])
         else:
-            mesh = draw_plane(axes, archive, names, part, style)
-            if contours:
-                draw_contours(axes, archive, names, part)
+            mesh = draw_plane(axes, archive, names, part, style, contours)
             place = marked and tuple(star[name] for name in names)
         if place:
             axes.plot(*place, "*", color=star_colour, markersize=13, markeredgecolor="white",

@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt  # noqa: E402  (after the choice of the backend)
 
 warnings.filterwarnings("ignore", "Glyph .* missing from current font")  # of an archive's name
 plt.rcParams["figure.constrained_layout.use"] = True
+plt.rcParams["axes.formatter.useoffset"] = False  # it would lie on titles
 
 FORMATS = ("png", "svg", "pdf", "eps", "ps")
 PREFIXED = ("N", "Pa", "J")  # units that take a prefix

@@ -194,6 +194,18 @@ class Pictures(ScriptTest):
         self.run_script("compare.py", "plane.h5", "plane.h5", "-o", "plane.png")
         self.run_script("compare.py", "line.h5", "line.h5", "-o", "line.png")
 
+    def test_labels_of_ticks_do_not_overlap_where_they_have_many_digits(self):
+        self.sweep("accurate", "--lattice.r1", "0.510001:0.510003:0.000001", "--lattice.r3",
+                   "0.58:0.5801:0.00001", "--lattice.r2", "0.91:0.9101:0.00001", name="fine")
+        figure = self.figure("fine.h5", "speed")
+        figure.canvas.draw()
+        for axes in figure.axes[:3]:
+            boxes = [label.get_window_extent() for label in axes.get_xticklabels()
+                     if axes.get_xlim()[0] <= label.get_position()[0] <= axes.get_xlim()[1]]
+            for left, right in zip(boxes, boxes[1:]):
+                self.assertLess(left.x1 + 5, right.x0)
+            self.assertEqual(axes.xaxis.get_offset_text().get_text(), "")
+
     def test_a_single_design_is_a_table_and_no_picture(self):
         single = self.sweep("accurate", "--lattice.r1", "0.7", "--lattice.r3", "0.5",
                             "--lattice.r2", "0.9", name="single")
