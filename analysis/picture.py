@@ -1,5 +1,6 @@
 """What the pictures have in common: files, titles, units."""
 
+import logging
 import os
 import textwrap
 import warnings
@@ -12,13 +13,14 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the choice of the backend)
 
 warnings.filterwarnings("ignore", "Glyph .* missing from current font")  # of an archive's name
+logging.getLogger("matplotlib").setLevel(logging.ERROR)  # else of PostScript without transparency
 plt.rcParams["figure.constrained_layout.use"] = True
 plt.rcParams["axes.formatter.useoffset"] = False  # it would lie on titles
 
-FORMATS = ("png", "svg", "pdf", "eps", "ps")
+FORMATS = ("png", "svg", "pdf", "eps", "ps", "jpg", "tif", "webp")
 PREFIXED = ("N", "Pa", "J")  # units that take a prefix
-OUTPUT_HELP = ("the format follows the suffix: png, svg, pdf, eps or ps; without a suffix PNG is "
-               "written under exactly this name; ")
+OUTPUT_HELP = (f"the format follows the suffix ({', '.join(FORMATS)}); without a suffix PNG is "
+               f"written under exactly this name; ")
 
 
 def picture_format(path):

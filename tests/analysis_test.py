@@ -18,7 +18,7 @@ import numpy as np
 SOURCE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 ANALYSIS = os.path.join(SOURCE, "analysis")
 PROGRAM = os.environ["TREBSWEEP"]
-SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
+SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml", "eps": b"%!PS", "jpg": b"\xff\xd8"}
 SCRIPTS = ("assess.py", "compare.py", "heatmap.py", "loads.py", "optimum.py", "trajectory.py")
 LOADS = "speed, status, slack, release-time, peak-axle-load, peak-beam-stress, range, energy-drift"
 DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
