@@ -1,88 +1,235 @@
-"""Reading archives of trebsweep, and what the pictures have in common."""
+"""Reading archives of trebsweep: axes, maps, what is done of them, and the optimum."""
 
-import sys
+import contextlib
+import os
+import signal
+
+from program import fail, note, refuse  # before modules that may be missing
 
 import h5py
-import matplotlib
 import numpy as np
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (after the choice of the backend)
-
 AXES = ("r1", "r3", "r2")
+WHOLE = (slice(None),) * len(AXES)
+
+
+@contextlib.contextmanager
+def reading(path, what):
+    """Ends the program in one line where HDF5, or what it returns, is not as it should be."""
+    try:
+        yield
+    except (OSError, KeyError, ValueError, TypeError, IndexError, RuntimeError, AttributeError,
+            OverflowError) as error:
+        fail(f"{path}: {what}: {error}")
+
+
+def open_file(path):
+    """The HDF5 file at `path`; ends the program if there is none."""
+    if not os.path.isfile(path):
+        fail(f"{path}: is a folder, not a file" if os.path.isdir(path) else f"{path}: no such file")
+    with reading(path, "cannot be opened as an HDF5 file"):
+        return h5py.File(path, "r")
+
+
+@contextlib.contextmanager
+def limited_cpu_time(seconds=20):
+    """Ends the program where HDF5 loops over a damaged file; waiting for a disk does not count."""
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    yield
+    signal.setitimer(signal.ITIMER_PROF, 0)
 
 
 class Archive:
-    """An archive opened for reading: axes, the optimum, and planes of its maps."""
+    """An archive opened for reading.
+
+    Its dataset tile_done alone says what is complete: cells of tiles that are not done read NaN
+    (maps of numbers) or 0 (maps of flags), whatever the file holds there.
+    """
 
     def __init__(self, path):
         """Opens the HDF5 file at `path`; ends the program with a message if it is no archive."""
         self.path = path
-        try:
-            self.file = h5py.File(path, "r")
-        except OSError as error:
-            sys.exit(f"{path}: cannot be opened as an HDF5 file: {error}")
-        missing = [name for name in AXES if name not in self.file]
-        if missing:
-            sys.exit(f"{path}: is no archive of trebsweep: it has no {missing[0]}")
-        self.axes = {name: self.file[name][...] for name in AXES}
+        with limited_cpu_time():
+            self.file = open_file(path)
+            with reading(path, "is damaged"):
+                missing = [name for name in (*AXES, "tile_done") if name not in self.file]
+                if missing:
+                    fail(f"{path}: is not an archive of trebsweep: it has no {missing[0]}")
+                self.axes = {name: self._axis(name) for name in AXES}
+                self.shape = tuple(map(len, self.axes.values()))
+                self.fields = [name for name, item in self.file.items()
+                               if isinstance(item, h5py.Dataset) and item.shape == self.shape]
+                if not self.fields:
+                    raise ValueError("it has no map of its lattice")
+                self.attributes = dict(self.file.attrs)
+                self.job = parse_job(str(self.attributes["job"]))
+                self.done = self.file["tile_done"][...] == 1
+                self.edge = tuple(int(self.file["tile_done"].attrs[f"edge_{name}"])
+                                  for name in AXES)
+                self.blank_tiles = self._blank_tiles()
+        if not self.complete:
+            note(f"{path}: {self.progress()}; the rest is left blank")
 
-    @property
-    def fields(self):
-        """Names of the maps."""
-        return [name for name, item in self.file.items()
-                if isinstance(item, h5py.Dataset) and item.ndim == 3]
-
-    def map(self, field):
-        """The dataset of a map (r1, r3, r2); ends the program if there is none of that name."""
-        name = field.replace("-", "_")
-        if name not in self.fields:
-            sys.exit(f"{self.path}: has no map {name}; it has {', '.join(self.fields)}")
-        return self.file[name]
-
-    def attribute(self, name):
-        """A root attribute, or None."""
-        return self.file.attrs.get(name)
-
-    def job(self):
-        """The job as {(section, key): value}."""
-        values, section = {}, ""
-        for line in (self.attribute("job") or "").splitlines():
-            if line.startswith("["):
-                section = line.strip("[]")
-            elif "=" in line:
-                key, value = line.split("=", 1)
-                values[section, key.strip()] = value.strip()
+    def _axis(self, name):
+        """The values of an axis, m."""
+        values = self.file[name][...]
+        if values.ndim != 1 or not values.size or not np.isfinite(values).all() or (
+                np.diff(values) <= 0).any():
+            raise ValueError(f"{name} is no axis")
         return values
 
+    def _blank_tiles(self):
+        """Whether each tile of the lattice's box (r1, r3, r2) holds designs that are not done."""
+        if min(self.edge) < 1 or self.done.ndim != 1 or not self.done.size:
+            raise ValueError("tile_done has impossible tiles")
+        tiles = [range(0, n, edge) for n, edge in zip(self.shape, self.edge)]
+        blank = np.zeros([len(firsts) for firsts in tiles], bool)
+        if self.complete:
+            return blank
+        # Tiles are numbered along r2, then r3, then r1. Rows of designs never grow with r3: a tile
+        # holds a design if its lowest corner does.
+        row = self._row_lengths()[tiles[1]]
+        holds = np.broadcast_to(row[:, np.newaxis] > np.array(tiles[2]), blank.shape)
+        if np.count_nonzero(holds) != self.done.size:
+            raise ValueError(f"tile_done has {self.done.size} tiles instead of "
+                             f"{np.count_nonzero(holds)}")
+        blank[holds] = ~self.done
+        return blank
+
+    def _row_lengths(self):
+        """For each r3, how many values of r2 belong to the lattice: those with r2 < h0 - r3, unless
+        the job gives r2."""
+        if ("lattice", "r2") in self.job:
+            return np.full(self.shape[1], self.shape[2])
+        r2 = self.axes["r2"]
+        longest = float(self.job["scene", "fulcrum-height"]) - self.axes["r3"]
+        return np.searchsorted(r2, longest - 1e-6 * r2[0])  # the program's tolerance, in steps
+
+    @property
+    def complete(self):
+        """Whether every tile is done."""
+        return bool(self.done.all())
+
+    def progress(self):
+        """How much of an unfinished archive is done, as text."""
+        return f"unfinished: {self.done.sum()} of {self.done.size} tiles done"
+
+    @property
+    def free_axes(self):
+        """The axes with more than one value."""
+        return [name for name in AXES if len(self.axes[name]) > 1]
+
+    def field(self, name):
+        """The dataset's name of a field; ends the program if the archive has no such map."""
+        dataset = name.replace("-", "_")
+        if dataset not in self.fields:
+            maps = ", ".join(self.fields)
+            refuse("field", name, f"{self.path} has no map {dataset}; must be one of {maps}")
+        return dataset
+
+    def is_number(self, field):
+        """Whether a map holds numbers; else it holds flags."""
+        return self.file[field].dtype.kind == "f"
+
+    def read(self, field, where=WHOLE):
+        """The values of a map at `where`, an index or a slice per axis; blank where not done."""
+        with reading(self.path, f"cannot read map {field}"):
+            values = self.file[field][where]
+        tiles = np.ix_(*(np.atleast_1d(np.arange(n)[w]) // edge
+                         for n, w, edge in zip(self.shape, where, self.edge)))
+        blank = self.blank_tiles[tiles].reshape(np.shape(values))
+        return np.where(blank, np.array(np.nan if self.is_number(field) else 0, values.dtype),
+                        values)
+
     def optimum(self):
-        """{axis: value in m} of the fastest design, or None if nothing was released."""
-        best = {name: self.attribute(f"best_{name}") for name in AXES}
-        return None if any(x is None or np.isnan(x) for x in best.values()) else best
+        """({axis: value in m}, m/s) of the fastest design so far, or None if there is none."""
+        with reading(self.path, "is damaged"):
+            if not self.complete:
+                return self._optimum_of_tiles()
+            best = {name: float(self.attributes[f"best_{name}"]) for name in AXES}
+            speed = float(self.attributes["best_speed"])
+            return None if np.isnan([*best.values(), speed]).any() else (best, speed)
+
+    def _optimum_of_tiles(self):
+        """The optimum of the tiles that are done, as the program has found it."""
+        tally = self.file["tile_tally"]
+        columns = str(tally.attrs["columns"]).split()
+        rows = dict(zip(columns, tally[...][self.done].T))
+        speeds, cells = rows["best_speed"], rows["best_cell"]
+        if not (speeds >= 0).any():
+            return None
+        cell = int(cells[speeds == speeds.max()].min())  # of equals the first, like the program
+        return self.design(np.unravel_index(cell, self.shape)), float(speeds.max())
+
+    def design(self, place):
+        """{axis: value in m} of a place in the lattice."""
+        return {name: float(self.axes[name][i]) for name, i in zip(AXES, place)}
 
     def index(self, axis, value):
         """The place of the axis's value nearest to `value`; ends the program outside the axis."""
-        limits = edges(self.axes[axis])
+        values = self.axes[axis]
+        limits = edges(values)
         if not limits[0] <= value <= limits[-1]:
-            sys.exit(f"{axis} = {value:g}: must be from {self.axes[axis][0]:g} to "
-                     f"{self.axes[axis][-1]:g} m, as in {self.path}")
-        return int(np.argmin(np.abs(self.axes[axis] - value)))
+            refuse(axis, f"{value:g}",
+                   f"must be from {values[0]:g} to {values[-1]:g} m, as in {self.path}")
+        return int(np.argmin(np.abs(values - value)))
 
-    def best(self):
+    def extreme(self, field, largest):
+        """({axis: value in m}, value) of the largest or the least value of a map, or None."""
+        best, sign = None, 1 if largest else -1
+        for first in range(0, self.shape[0], self.edge[0]):  # whole archives may not fit in memory
+            values = sign * self.read(field, (slice(first, first + self.edge[0]), *WHOLE[1:]))
+            if not np.isfinite(values).any():
+                continue
+            place = np.unravel_index(np.argmax(np.where(np.isfinite(values), values, -np.inf)),
+                                     values.shape)
+            if best is None or values[place] > best[1]:
+                best = ((first + place[0], *place[1:]), float(values[place]))
+        return best and (self.design(best[0]), sign * best[1])
+
+    def best_text(self):
         """The optimum as text."""
         optimum = self.optimum()
         if optimum is None:
-            return "nothing released"
-        return f"{self.attribute('best_speed'):.8f} m/s at {design_text(optimum)}"
+            return "nothing released" if self.complete else "nothing released yet"
+        design, speed = optimum
+        return f"{speed:.8f} m/s at {design_text(design)}"
 
-    def label(self, name):
-        """A label for an axis or a map: what it is, its name and its unit."""
-        attributes = self.file[name].attrs
-        unit = attributes.get("units")
-        text = attributes.get("long_name", name)
-        if name in AXES:
-            text = f"{text} {name}"
-        return f"{text} ({unit_text(unit)})" if unit else text
+    def name(self):
+        """The file's name without folder and suffix."""
+        return os.path.basename(stem(self.path))
+
+    def attribute(self, dataset, name, default=""):
+        """A text attribute of a dataset."""
+        with reading(self.path, "is damaged"):
+            return str(self.file[dataset].attrs.get(name, default))
+
+    def unit(self, field):
+        """The unit of a map or an axis as people write it, "" if it has none."""
+        return unit_text(self.attribute(field, "units"))
+
+    def long_name(self, field):
+        """What a map or an axis is."""
+        return self.attribute(field, "long_name", field.replace("_", " "))
+
+    def meanings(self, field):
+        """What the flags 0, 1, ... of a map mean."""
+        words = self.attribute(field, "flag_meanings").split()
+        if len(words) < 2:
+            fail(f"{self.path}: is damaged: map {field} does not say what its flags mean")
+        return [word.replace("_", " ") for word in words]
+
+
+def parse_job(text):
+    """A job's text as {(section, key): value}."""
+    values, section = {}, ""
+    for line in text.splitlines():
+        if line.startswith("["):
+            section = line.strip("[]")
+        elif "=" in line:
+            key, value = line.split("=", 1)
+            values[section, key.strip()] = value.strip()
+    return values
 
 
 def design_text(design):
@@ -91,24 +238,19 @@ def design_text(design):
 
 
 def unit_text(unit):
-    """A UDUNITS string as people write it: "m s-1" -> "m/s", "s-1" -> "1/s"."""
-    return "1/s" if unit == "s-1" else unit.replace(" s-1", "/s")
+    """A UDUNITS string as people write it: "m s-1" -> "m/s", "s-1" -> "1/s", "1" -> ""."""
+    return {"s-1": "1/s", "1": ""}.get(unit, unit.replace(" s-1", "/s"))
 
 
 def edges(values):
-    """The boundaries of cells around equally spaced values."""
+    """The boundaries of cells around values that increase."""
     if len(values) == 1:
         half = 0.01 * abs(values[0]) or 0.01
         return np.array([values[0] - half, values[0] + half])
-    half = (values[1] - values[0]) / 2
-    return np.append(values - half, values[-1] + half)
+    between = (values[1:] + values[:-1]) / 2
+    return np.array([2 * values[0] - between[0], *between, 2 * values[-1] - between[-1]])
 
 
-def save(figure, path):
-    """Writes a picture in the format of its suffix (png, svg, pdf, ...) and says so."""
-    try:
-        figure.savefig(path, dpi=150)
-    except (OSError, ValueError) as error:
-        sys.exit(f"{path}: cannot be written: {error}")
-    plt.close(figure)
-    print(path)
+def stem(path):
+    """A file's path without suffix, and without .partial."""
+    return os.path.splitext(path.removesuffix(".partial"))[0]

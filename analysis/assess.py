@@ -1,26 +1,28 @@
 #!/usr/bin/env python3
 """Draws an assessment: error against run time, error against steps, the largest stable step.
 
-With --maps ARCHIVE, of a sweep with the fields speed-error and stiffness, also where in the design
-space the sweep's solver is wrong, and where the scene is stiff:
+The pictures are STEM-precision, STEM-order and STEM-stability. With --maps ARCHIVE, of a sweep with
+the fields speed-error and stiffness, also STEM-speed_error and STEM-stiffness: where in the design
+space the sweep's solver is wrong, and where the scene is stiff.
 
+  assess.py assess.h5                                  -> assess-precision.png, ...
   trebsweep sweep jobs/paper.cfg --output.fields "speed, status, speed-error, stiffness"
+  assess.py assess.h5 --maps paper.h5 --format svg
 """
 
-import argparse
-import os
-import sys
+from program import Parser, fail, note, refuse, run  # before modules that may be missing
 
 import h5py
 import numpy as np
 from matplotlib.colors import LogNorm, SymLogNorm
 
-from archive import Archive, plt, save, unit_text
-from heatmap import PLANES, draw_values, finite_values, planes
+from archive import Archive, limited_cpu_time, open_file, reading, stem
+from maps import draw, finite_values, middle, parts, scaled, views
+from picture import FORMATS, labelled, plt, save
 
 STEPPERS = ("euler", "modified_midpoint", "rk4", "cash_karp54", "dopri5", "fehlberg78",
             "adams_bashforth_moulton", "bulirsch_stoer", "rosenbrock4")
-MARKERS = "os^vD*Xph"
+MARKERS = "os^vD*XphP<>"
 
 
 class Assessment:
@@ -28,14 +30,11 @@ class Assessment:
 
     def __init__(self, path):
         """Reads the file at `path`; ends the program with a message if it is no assessment."""
-        try:
-            with h5py.File(path, "r") as file:
-                self.tables = {name: {column: self.values(data) for column, data in group.items()}
-                               for name, group in file.items() if isinstance(group, h5py.Group)}
-        except OSError as error:
-            sys.exit(f"{path}: cannot be opened as an HDF5 file: {error}")
-        if "accuracy" not in self.tables:
-            sys.exit(f"{path}: is no assessment: it has no table accuracy")
+        with limited_cpu_time(), open_file(path) as file, reading(path, "is damaged"):
+            self.tables = {name: {column: self.values(data) for column, data in group.items()}
+                           for name, group in file.items() if isinstance(group, h5py.Group)}
+        if not {"accuracy", "reference"} <= set(self.tables):
+            fail(f"{path}: is not an assessment: it has no tables accuracy and reference")
 
     @staticmethod
     def values(data):
@@ -45,6 +44,14 @@ class Assessment:
     def scenes(self):
         """Names of the scenes with a ladder of settings, in their order."""
         return list(dict.fromkeys(self.tables["accuracy"]["scene"]))
+
+    def steppers(self):
+        """{name: number} of the steppers, those known here first: they look the same everywhere.
+
+        Variants of a stepper, such as "euler, window", are not drawn."""
+        found = [name for name in self.tables["accuracy"]["stepper"] if "," not in name]
+        names = dict.fromkeys([*STEPPERS, *found])
+        return {name: i for i, name in enumerate(names) if name in found}
 
     def ladder(self, scene, stepper):
         """The rows of a stepper in a scene, {column: values}."""
@@ -58,11 +65,10 @@ class Assessment:
         return float(table["speed_bound"][table["scene"] == scene][0])
 
 
-def style(stepper):
-    """Colour and marker of a stepper, the same in every picture."""
-    i = STEPPERS.index(stepper)
-    return {"color": plt.get_cmap("tab10")(i), "marker": MARKERS[i], "markersize": 5,
-            "linewidth": 1.3, "label": stepper}
+def style(stepper, number):
+    """Colour, marker and label of a stepper."""
+    return {"color": plt.get_cmap("tab10")(number % 10), "marker": MARKERS[number % len(MARKERS)],
+            "markersize": 5, "linewidth": 1.3, "label": stepper}
 
 
 def panels(scenes):
@@ -70,7 +76,7 @@ def panels(scenes):
     columns = min(3, len(scenes))
     rows = -(-len(scenes) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(1 + 4.6 * columns, 1 + 3.8 * rows),
-                                squeeze=False, constrained_layout=True)
+                                squeeze=False)
     for unused in axes.flat[len(scenes):]:
         unused.set_visible(False)
     return figure, list(axes.flat)
@@ -81,12 +87,13 @@ def draw_ladders(assessment, abscissa, label, title):
     scenes = assessment.scenes()
     figure, axes = panels(scenes)
     for panel, scene in zip(axes, scenes):
-        for stepper in STEPPERS:
+        for stepper, number in assessment.steppers().items():
             rows = assessment.ladder(scene, stepper)
             good = np.isfinite(rows["error_largest"]) & (rows["different"] == 0)
             good &= rows["error_largest"] < 10
             if good.any():
-                panel.plot(rows[abscissa][good], rows["error_largest"][good], **style(stepper))
+                panel.plot(rows[abscissa][good], rows["error_largest"][good],
+                           **style(stepper, number))
         floor = assessment.floor(scene)
         if np.isfinite(floor):
             panel.axhline(floor, color="0.4", linestyle=":", linewidth=1)
@@ -99,11 +106,12 @@ def draw_ladders(assessment, abscissa, label, title):
         panel.set_ylabel("largest error of the speed (m/s)")
         panel.grid(True, color="0.9")
     lines = {line.get_label(): line for panel in axes for line in panel.get_lines()
-             if line.get_label() in STEPPERS}
+             if line.get_label() in assessment.steppers()}
     # Above the panels, where the title leaves it room.
-    figure.suptitle(title + ("\n\n" if len(scenes) > 2 else "\n\n\n\n"))
+    columns = max(1, min(len(lines), 3 * len(scenes)))
+    figure.suptitle(title + "\n" * (1 - -len(lines) // columns))
     figure.legend(lines.values(), lines.keys(), loc="upper center", fontsize=9, frameon=False,
-                  ncol=len(lines) if len(scenes) > 2 else 3, bbox_to_anchor=(0.5, 0.97))
+                  ncol=columns, bbox_to_anchor=(0.5, 1 - 0.25 / figure.get_figheight()))
     return figure
 
 
@@ -111,18 +119,21 @@ def draw_stability(assessment):
     """The largest stable step of each explicit stepper, predicted and seen, over the scenes."""
     table = assessment.tables["stability"]
     scenes = list(dict.fromkeys(table["scene"]))
-    figure, panel = plt.subplots(figsize=(10, 5.5), constrained_layout=True)
-    explicit = [s for s in STEPPERS if s in table["stepper"] and s != "rosenbrock4"]
+    figure, panel = plt.subplots(figsize=(10, 5.5))
+    numbers = assessment.steppers()
+    explicit = [s for s in numbers if s in table["stepper"] and s != "rosenbrock4"]
     for place, stepper in enumerate(explicit):
         rows = table["stepper"] == stepper
-        x = np.array([scenes.index(s) for s in table["scene"][rows]]) + (place - 2.5) * 0.12
-        kind = style(stepper)
+        offset = 0.12 * (place - (len(explicit) - 1) / 2)
+        x = np.array([scenes.index(s) for s in table["scene"][rows]]) + offset
+        kind = style(stepper, numbers[stepper])
         panel.plot(x, table["stable_step"][rows], linestyle="none", color=kind["color"],
                    marker=kind["marker"], label=stepper)
         panel.plot(x, table["usable_step"][rows], linestyle="none", color=kind["color"],
                    marker=kind["marker"], fillstyle="none")
     panel.set_yscale("log")
     stiffness = [table["stiffness"][table["scene"] == scene][0] for scene in scenes]
+    panel.set_xlim(-0.5, len(scenes) - 0.5)
     panel.set_xticks(range(len(scenes)),
                      [f"{s.replace('_', ' ')}\n{k:.3g} /s" for s, k in zip(scenes, stiffness)])
     panel.set_xlabel("scene, and the largest modulus of its eigenvalues")
@@ -134,7 +145,7 @@ def draw_stability(assessment):
     return figure
 
 
-def scale(values):
+def colours(values):
     """Colours for values: of both signs, over several decades, or neither."""
     largest = np.abs(values).max() if values.size and values.any() else 1
     if values.size and values.min() < 0:
@@ -145,52 +156,57 @@ def scale(values):
     return {"vmin": values.min() if values.size else 0, "vmax": largest, "cmap": "viridis"}
 
 
-def draw_map(archive, field, title):
-    """A map in its three planes through the optimum."""
-    centre = archive.optimum() or {name: v[len(v) // 2] for name, v in archive.axes.items()}
-    figure, panels = plt.subplots(1, 3, figsize=(15, 5), constrained_layout=True)
-    parts = planes(archive, field, centre)
-    style = scale(finite_values(parts))
-    for axes, part, names in zip(panels, parts, PLANES):
-        mesh = draw_values(axes, archive, centre, names, part, **style)
-        axes.set_facecolor("0.93")
-    unit = unit_text(archive.map(field).attrs.get("units", ""))
-    bar = figure.colorbar(mesh, ax=panels, pad=0.01)
-    bar.set_label(f"{field.replace('_', ' ')} ({unit})")
-    if isinstance(mesh.norm, SymLogNorm):  # ticks near zero would lie on each other
-        bar.set_ticks([t for t in bar.get_ticks()
-                       if t == 0 or mesh.norm.linthresh <= abs(t) <= mesh.norm.vmax])
-    figure.suptitle(title)
-    return figure
+def draw_map(archive, field):
+    """A map in the views through the optimum."""
+    optimum = archive.optimum()
+    centre = optimum[0] if optimum else middle(archive)
+    values, unit = scaled(archive, field, parts(archive, field, centre))
+    title = labelled(archive.long_name(field), unit)
+    if not archive.complete:
+        title += f"; {archive.progress()}"
+    return draw(archive, values, centre, title, labelled(field.replace("_", " "), unit),
+                colours(finite_values(values)), background="0.93")
+
+
+def draw_maps(path, picture_stem, form):
+    """Writes the maps of an archive that say where its solver is wrong, and where it is stiff."""
+    archive = Archive(path)
+    fields = [name for name in ("speed_error", "stiffness") if name in archive.fields]
+    if not fields:
+        fail(f"{path}: has no map speed_error or stiffness; it has {', '.join(archive.fields)}")
+    if not views(archive):
+        note(f"{path}: holds a single design; no map is drawn")
+        return
+    for field in fields:
+        save(draw_map(archive, field), f"{picture_stem}-{field}.{form}")
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(__doc__)
     parser.add_argument("assessment", metavar="ASSESSMENT", help="file of trebsweep assess")
     parser.add_argument("--maps", metavar="ARCHIVE",
                         help="of a sweep with speed-error, stiffness or both")
     parser.add_argument("-o", "--output", metavar="STEM",
-                        help="pictures are STEM-precision.png and so on; default: the assessment's")
-    parser.add_argument("--format", default="png", help="png, svg or pdf (default: png)")
+                        help="what the pictures' names begin with (default: the assessment's name)")
+    parser.add_argument("--format", default="png", help=f"{', '.join(FORMATS)} (default: png)")
     arguments = parser.parse_args()
 
+    form = arguments.format
+    if form not in FORMATS:
+        refuse("format", form, f"must be one of {', '.join(FORMATS)}")
     assessment = Assessment(arguments.assessment)
-    stem = arguments.output or os.path.splitext(arguments.assessment)[0]
-    save(draw_ladders(assessment, "seconds", "run time per design (s)", "Error against run time"),
-         f"{stem}-precision.{arguments.format}")
-    save(draw_ladders(assessment, "evaluations", "right-hand sides per design",
-                      "Order of convergence: error against right-hand sides"),
-         f"{stem}-order.{arguments.format}")
-    if assessment.tables.get("stability"):
-        save(draw_stability(assessment), f"{stem}-stability.{arguments.format}")
+    name = arguments.output or stem(arguments.assessment)
+    with reading(arguments.assessment, "is damaged"):
+        save(draw_ladders(assessment, "seconds", "run time per design (s)",
+                          "Error against run time"), f"{name}-precision.{form}")
+        save(draw_ladders(assessment, "evaluations", "right-hand sides per design",
+                          "Order of convergence: error against right-hand sides"),
+             f"{name}-order.{form}")
+        if assessment.tables.get("stability"):
+            save(draw_stability(assessment), f"{name}-stability.{form}")
     if arguments.maps:
-        archive = Archive(arguments.maps)
-        for field in ("speed_error", "stiffness"):
-            if field in archive.fields:
-                save(draw_map(archive, field, archive.label(field)),
-                     f"{stem}-{field}.{arguments.format}")
+        draw_maps(arguments.maps, name, form)
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

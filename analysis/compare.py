@@ -1,18 +1,22 @@
 #!/usr/bin/env python3
-"""Compares a map of two archives of one lattice: A - B, in numbers and as a picture.
+"""Compares a map of two archives of the same lattice: A - B, in numbers and as a picture.
+
+The numbers go to stdout: the optimum of each, how many designs have a value in both, and the
+median, 95 % and largest difference. The picture has the planes through B's fastest design, which a
+star marks. Designs that one of the archives has no value for, or has not done yet, are left blank.
 
 For example the paper's Euler sweep against an accurate one:
-    analysis/compare.py paper.h5 accurate.h5
+
+  compare.py paper.h5 accurate.h5                      -> paper-accurate.png
 """
 
-import argparse
-import os
-import sys
+from program import Parser, fail, note, refuse, run  # before modules that may be missing
 
 import numpy as np
 
-from archive import AXES, Archive, design_text, plt, save, unit_text
-from heatmap import PLANES, draw_values, finite_values, planes
+from archive import AXES, Archive, design_text, stem
+from maps import draw, finite_values, middle, parts, scaled, views
+from picture import OUTPUT_HELP, check_output, labelled, readable_unit, save
 
 
 def check_lattices(a, b):
@@ -20,75 +24,81 @@ def check_lattices(a, b):
     for name in AXES:
         x, y = a.axes[name], b.axes[name]
         if len(x) != len(y) or not np.allclose(x, y, rtol=1e-12):
-            sys.exit(f"{a.path} and {b.path} have different lattices: {name} runs over "
-                     f"{len(x)} values from {x[0]:g} to {x[-1]:g} m and {len(y)} values from "
-                     f"{y[0]:g} to {y[-1]:g} m")
+            fail(f"{a.path} and {b.path} have different lattices: {name} runs over {len(x)} values "
+                 f"from {x[0]:g} to {x[-1]:g} m and {len(y)} values from {y[0]:g} to {y[-1]:g} m")
 
 
 def report(a, b, field):
     """Prints the difference of the archives in numbers."""
-    x, y = a.map(field)[...], b.map(field)[...]
+    x, y = (archive.read(field).astype(float) for archive in (a, b))
     both = np.isfinite(x) & np.isfinite(y)
     only = int((np.isfinite(x) != np.isfinite(y)).sum())
-    print(f"A         {a.path}: {a.best()}")
-    print(f"B         {b.path}: {b.best()}")
+    print(f"A         {a.path}: {a.best_text()}")
+    print(f"B         {b.path}: {b.best_text()}")
     print(f"designs   {int(both.sum())} with a {field} in both, {only} in one of them only")
     if not both.any():
         return
-    difference = np.where(both, x - y, 0)
-    size = np.abs(difference[both])
-    relative = difference[both] / np.maximum(np.abs(y[both]), np.finfo(float).tiny)
-    unit = unit_text(a.map(field).attrs.get("units", ""))
-    print(f"|A - B|   median {np.median(size):.6g}, 95 % below {np.percentile(size, 95):.6g}, "
-          f"largest {size.max():.6g} {unit}")
-    print(f"relative  median {100 * np.median(relative):+.4g} % "
-          f"(of its size {100 * np.median(np.abs(relative)):.4g} %), "
-          f"largest {100 * np.abs(relative).max():.4g} %")
-    worst = np.unravel_index(np.argmax(np.abs(difference)), difference.shape)
-    design = {name: a.axes[name][i] for name, i in zip(AXES, worst)}
-    print(f"largest   at {design_text(design)}: {x[worst]:.12g} against {y[worst]:.12g} {unit}")
+    places = np.argwhere(both)
+    x, y = x[both], y[both]
+    difference = x - y
+    size = np.abs(difference)
+    factor, unit = readable_unit(a.unit(field), size.max())
+    print(f"|A - B|   median {factor * np.median(size):.6g}, "
+          f"95 % below {factor * np.percentile(size, 95):.6g}, "
+          f"largest {factor * size.max():.6g} {unit}".rstrip())
+    if (y != 0).any():
+        relative = 100 * difference[y != 0] / y[y != 0]
+        print(f"relative  median {np.median(relative):+.4g} % "
+              f"(of its size {np.median(np.abs(relative)):.4g} %), "
+              f"largest {np.abs(relative).max():.4g} %")
+    worst = np.argmax(size)
+    factor, unit = readable_unit(a.unit(field), max(abs(x[worst]), abs(y[worst])))
+    print(f"largest   at {design_text(a.design(places[worst]))}: {factor * x[worst]:.12g} against "
+          f"{factor * y[worst]:.12g} {unit}".rstrip())
 
 
-def draw(a, b, field, centre):
-    """The figure of A - B in the three planes through `centre` ({axis: m})."""
-    figure, panels = plt.subplots(1, 3, figsize=(15, 5.2), constrained_layout=True)
-    parts = [x - y for x, y in zip(planes(a, field, centre), planes(b, field, centre))]
-    finite = finite_values(parts)
+def picture(a, b, field):
+    """The figure of A - B through the optimum of B."""
+    optimum = b.optimum()
+    centre = optimum[0] if optimum else middle(b)
+    values = [x.astype(float) - y for x, y in zip(parts(a, field, centre), parts(b, field, centre))]
+    values, unit = scaled(a, field, values)
+    finite = finite_values(values)
     limit = np.abs(finite).max() if finite.size and finite.any() else 1
-    for axes, part, names in zip(panels, parts, PLANES):
-        mesh = draw_values(axes, a, centre, names, part, cmap="RdBu_r", vmin=-limit, vmax=limit)
-        _, horizontal, vertical = names
-        axes.plot(centre[horizontal], centre[vertical], "*", color="black", markersize=11,
-                  markeredgecolor="white")
-        axes.set_facecolor("0.93")
-    bar = figure.colorbar(mesh, ax=panels, pad=0.01)
-    bar.set_label("difference of the " + a.label(field))
-    names = [os.path.splitext(os.path.basename(archive.path))[0] for archive in (a, b)]
-    figure.suptitle(f"difference \u201c{names[0]}\u201d \u2212 \u201c{names[1]}\u201d, "
-                    f"through the optimum of \u201c{names[1]}\u201d")
-    return figure
+    title = f"difference \u201c{a.name()}\u201d \u2212 \u201c{b.name()}\u201d, " + (
+        f"\u2605 fastest of \u201c{b.name()}\u201d" if optimum else "through the lattice's middle")
+    title += "".join(f"\n\u201c{archive.name()}\u201d {archive.progress()}" for archive in (a, b)
+                     if not archive.complete)
+    return draw(a, values, centre, title, labelled(f"difference of the {a.long_name(field)}", unit),
+                {"cmap": "RdBu_r", "vmin": -limit, "vmax": limit},
+                star=optimum and optimum[0], star_colour="black", background="0.93")
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(__doc__)
     parser.add_argument("a", metavar="A", help="archive")
-    parser.add_argument("b", metavar="B", help="archive to hold it against")
-    parser.add_argument("--field", default="speed", help="the map to compare (default: speed)")
-    parser.add_argument("-o", "--output", metavar="PICTURE", help="default: A-B.png beside A")
+    parser.add_argument("b", metavar="B", help="archive to compare it with")
+    parser.add_argument("--field", default="speed",
+                        help="the map of numbers to compare (default: speed)")
+    parser.add_argument("-o", "--output", metavar="PICTURE",
+                        help=OUTPUT_HELP + "default: A-B.png in the folder of A")
     arguments = parser.parse_args()
 
+    output = arguments.output or f"{stem(arguments.a)}-{stem(arguments.b).rsplit('/', 1)[-1]}.png"
+    check_output(output, arguments.a, arguments.b)
     a, b = Archive(arguments.a), Archive(arguments.b)
-    field = arguments.field.replace("-", "_")
     check_lattices(a, b)
-    if a.map(field).dtype.kind != "f" or b.map(field).dtype.kind != "f":
-        sys.exit(f"{field}: holds flags, not numbers; choose another field")
+    field = a.field(arguments.field)
+    b.field(arguments.field)
+    if not (a.is_number(field) and b.is_number(field)):
+        numbers = ", ".join(name for name in a.fields if a.is_number(name))
+        refuse("field", arguments.field, f"holds flags; must be a map of numbers, as {numbers}")
     report(a, b, field)
-    centre = b.optimum() or {name: values[len(values) // 2] for name, values in b.axes.items()}
-    name = os.path.splitext(os.path.basename(arguments.b))[0]
-    save(draw(a, b, field, centre),
-         arguments.output or f"{os.path.splitext(arguments.a)[0]}-{name}.png")
+    if views(a):
+        save(picture(a, b, field), output)
+    else:
+        note(f"{a.path}: holds a single design; no picture is drawn")
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

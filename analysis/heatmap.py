@@ -1,135 +1,122 @@
 #!/usr/bin/env python3
-"""Draws a map of an archive: its three planes through the optimum.
+"""Draws a map of an archive.
 
-What is outside the lattice stays blank; a star marks the optimum. A plane of your own choice:
---r1 0.7. The format follows the suffix of the picture (png, svg, pdf).
+A sweep over three axes is drawn as the three planes through the design that is best in the
+quantity drawn, which a star marks: the fastest, the one with the least peak load, and so on; the
+title names it. In maps of flags, angles, rates and errors the star marks the fastest design.
+--r1, --r3 and --r2 choose other planes. A sweep over two axes is one plane, over one axis a line.
+A single design is printed as a table, and no picture is written.
+
+What is outside the lattice stays blank, and what an unfinished sweep has not done yet.
+
+  heatmap.py accurate.h5                               speed -> accurate-speed.png
+  heatmap.py accurate.h5 --field status --r1 0.7
+  heatmap.py accurate.h5 --field peak-axle-load -o loads.pdf
 """
 
-import argparse
-import os
+from program import Parser, note, run  # before modules that may be missing
 
-import numpy as np
-from matplotlib.colors import BoundaryNorm, ListedColormap
-
-from archive import AXES, Archive, edges, plt, save
-
-# The planes: (fixed axis, horizontal axis, vertical axis).
-PLANES = (("r1", "r2", "r3"), ("r3", "r2", "r1"), ("r2", "r3", "r1"))
+from archive import AXES, Archive, design_text, stem
+from maps import draw, finite_values, flag_colours, middle, parts, scaled, shows, views
+from picture import OUTPUT_HELP, check_output, labelled, readable_unit, save
 
 FIXED_STEPPERS = ("euler", "modified_midpoint", "rk4", "adams_bashforth_moulton")
 
-
-def plane(archive, field, fixed, index, horizontal, vertical):
-    """The values of a map at axis `fixed` = its value number `index`, as (vertical, horizontal)."""
-    where = tuple(index if name == fixed else slice(None) for name in AXES)
-    values = archive.map(field)[where]
-    left = [name for name in AXES if name != fixed]
-    return values if left == [vertical, horizontal] else values.T
+# Where the best is the largest value, or the least; elsewhere the star marks the fastest design.
+LARGEST = ("kinetic_energy", "efficiency", "range", "least_sling_tension")
+LEAST = ("release_time", "steps", "stiffness", "peak_sling_tension", "peak_axle_load",
+         "peak_beam_stress")
 
 
-def flag_colours(archive, field):
-    """Colours, their norm and the meanings of a map of flags, for the values that are not blank."""
-    attributes = archive.map(field).attrs
-    meanings = str(attributes["flag_meanings"]).split()
-    colours = ListedColormap(["white", *plt.get_cmap("Set2").colors[: len(meanings) - 1]])
-    return colours, BoundaryNorm(np.arange(len(meanings) + 1) - 0.5, len(meanings)), meanings
-
-
-def planes(archive, field, centre):
-    """The values of a map in its PLANES through `centre` ({axis: m})."""
-    return [plane(archive, field, fixed, archive.index(fixed, centre[fixed]), *rest)
-            for fixed, *rest in PLANES]
-
-
-def draw_values(axes, archive, centre, axis_names, values, **style):
-    """Draws the values of one plane; returns their colours, for the colour bar."""
-    fixed, horizontal, vertical = axis_names
-    mesh = axes.pcolormesh(edges(archive.axes[horizontal]), edges(archive.axes[vertical]), values,
-                           rasterized=True, **style)
-    axes.set_xlabel(archive.label(horizontal))
-    axes.set_ylabel(archive.label(vertical))
-    axes.set_title(f"{fixed} = {archive.axes[fixed][archive.index(fixed, centre[fixed])]:g} m")
-    return mesh
-
-
-def draw_plane(axes, archive, centre, axis_names, values, style):
-    """The same with contours and the optimum."""
-    fixed, horizontal, vertical = axis_names
-    mesh = draw_values(axes, archive, centre, axis_names, values, **style)
-    is_number = values.dtype.kind == "f"
-    if is_number and min(values.shape) > 1 and np.isfinite(values).any():
-        lines = axes.contour(archive.axes[horizontal], archive.axes[vertical], values, 8,
-                             colors="white", linewidths=0.6, alpha=0.8)
-        axes.clabel(lines, fontsize=7, fmt="%g")
-    optimum = archive.optimum()
-    if optimum and archive.index(fixed, optimum[fixed]) == archive.index(fixed, centre[fixed]):
-        axes.plot(optimum[horizontal], optimum[vertical], "*", color="red", markersize=13,
-                  markeredgecolor="white", label="fastest", clip_on=False)
-    return mesh
-
-
-def finite_values(parts):
-    """The finite numbers of some planes."""
-    return np.concatenate([part[np.isfinite(part)] for part in parts])
+def best(archive, field):
+    """The best design of a map, {axis: m} or None, and text that says what it is."""
+    so_far = "" if archive.complete else " so far"
+    if field not in LARGEST + LEAST:
+        taut = archive.job.get(("output", "optimum")) == "taut"
+        optimum = archive.optimum()
+        word = "fastest with a taut sling" if taut else "fastest"
+        return optimum and optimum[0], f"{word}{so_far}: {archive.best_text()}"
+    word = ("largest" if field in LARGEST else "least") + so_far
+    found = archive.extreme(field, field in LARGEST)
+    if found is None:
+        return None, f"{word}: none"
+    design, value = found
+    factor, unit = readable_unit(archive.unit(field), abs(value))
+    amount = f"{factor * value:.6g} {unit}".rstrip()
+    return design, f"{word}: {amount} at {design_text(design)}"
 
 
 def title(archive, field):
     """What is drawn and how it was computed."""
-    job = archive.job()
-    name = os.path.splitext(os.path.basename(archive.path))[0]
-    text = f"{name}: {archive.map(field).attrs['long_name']}"
-    stepper = job.get(("solver", "stepper"))
+    text = f"{archive.name()}: {archive.long_name(field)}"
+    stepper = archive.job.get(("solver", "stepper"))
     if stepper:
-        setting = "time-step" if stepper in FIXED_STEPPERS else "tolerance"
-        text += f" ({stepper}, {setting.replace('-', ' ')} {job['solver', setting]}"
-        text += " s)" if setting == "time-step" else ")"
-    return f"{text}\nfastest: {archive.best()}"
+        key = "time-step" if stepper in FIXED_STEPPERS else "tolerance"
+        value = archive.job.get(("solver", key))
+        unit = " s" if key == "time-step" else ""
+        text += f" ({stepper}, {key.replace('-', ' ')} {value}{unit})" if value else f" ({stepper})"
+    return text if archive.complete else f"{text}; {archive.progress()}"
 
 
-def draw(archive, field, centre):
-    """The figure with the three planes through `centre` ({axis: m})."""
-    figure, panels = plt.subplots(1, 3, figsize=(15, 5.2), constrained_layout=True)
-    parts = planes(archive, field, centre)
-    is_number = archive.map(field).dtype.kind == "f"
-    if is_number:  # all share one scale
-        values = finite_values(parts)
-        low, high = (values.min(), values.max()) if values.size else (0, 1)
-        style = {"cmap": "viridis", "vmin": low, "vmax": high}
+def picture(archive, field, chosen):
+    """The figure of a map, through its best design but for the values in `chosen` ({axis: m})."""
+    star, star_text = best(archive, field)
+    centre = {**(star or middle(archive)), **chosen}
+    values = parts(archive, field, centre)
+    if archive.is_number(field):
+        values, unit = scaled(archive, field, values)
+        finite = finite_values(values)
+        low, high = (finite.min(), finite.max()) if finite.size else (0, 1)
+        look = {"label": labelled(archive.long_name(field), unit), "contours": True,
+                "style": {"cmap": "viridis", "vmin": low, "vmax": high}}
     else:
-        colours, norm, meanings = flag_colours(archive, field)
-        style = {"cmap": colours, "norm": norm}
-    for axes, names, part in zip(panels, PLANES, parts):
-        mesh = draw_plane(axes, archive, centre, names, part, style)
-    bar = figure.colorbar(mesh, ax=panels, pad=0.01)
-    if is_number:
-        bar.set_label(archive.label(field.replace("-", "_")))
-    else:
-        bar.set_ticks(range(len(meanings)), labels=[word.replace("_", " ") for word in meanings])
-    figure.suptitle(title(archive, field))
-    return figure
+        meanings = archive.meanings(field)
+        look = {"label": "", "style": flag_colours(meanings), "meanings": meanings}
+    seen = star and any(shows(archive, names, centre, star) for names in views(archive))
+    mark = "\u2605 " if seen else ""
+    return draw(archive, values, centre, f"{title(archive, field)}\n{mark}{star_text}", star=star,
+                **look)
+
+
+def print_design(archive, fields):
+    """Prints what a lattice of one design holds."""
+    rows = [(name, f"{archive.axes[name][0]:g}", "m") for name in AXES]
+    for field in fields:
+        value = archive.read(field).item()
+        text = (f"{value:.10g}" if archive.is_number(field) else
+                dict(enumerate(archive.meanings(field))).get(value, value))
+        rows.append((field.replace("_", "-"), text, archive.unit(field)))
+    for name, value, unit in rows:
+        print(f"{name:20}{value} {unit}".rstrip())
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("archive", help="archive of a sweep")
-    parser.add_argument("--field", help="the map to draw (default: speed, or else the first)")
+    parser = Parser(__doc__)
+    parser.add_argument("archive", metavar="ARCHIVE", help="of a sweep, finished or not")
+    parser.add_argument("--field", help="the map to draw (default: speed if there is one, or else "
+                        "the first); `trebsweep sweep --help` lists the fields")
     for axis in AXES:
         parser.add_argument(f"--{axis}", type=float, metavar="M",
-                            help=f"draw the plane at this {axis} (default: the optimum's)")
-    parser.add_argument("-o", "--output", metavar="PICTURE",
-                        help="default: the archive's name with the field's and .png")
+                            help=f"draw the plane at this {axis} in m (default: the best design's)")
+    parser.add_argument("-o", "--output", metavar="PICTURE", help=OUTPUT_HELP +
+                        "default: the archive's name with the field's and .png")
     arguments = parser.parse_args()
 
     archive = Archive(arguments.archive)
-    middle = {name: values[len(values) // 2] for name, values in archive.axes.items()}
-    centre = archive.optimum() or middle
-    centre.update({name: getattr(arguments, name) for name in AXES
-                   if getattr(arguments, name) is not None})
-    field = arguments.field or ("speed" if "speed" in archive.fields else archive.fields[0])
-    output = arguments.output or f"{os.path.splitext(arguments.archive)[0]}-{field}.png"
-    save(draw(archive, field, centre), output)
+    default = "speed" if "speed" in archive.fields else archive.fields[0]
+    field = archive.field(arguments.field or default)
+    chosen = {name: getattr(arguments, name) for name in AXES
+              if getattr(arguments, name) is not None}
+    for axis, value in chosen.items():
+        archive.index(axis, value)
+    output = arguments.output or f"{stem(arguments.archive)}-{field.replace('_', '-')}.png"
+    check_output(output, arguments.archive)
+    if views(archive):
+        save(picture(archive, field, chosen), output)
+    else:
+        print_design(archive, [field] if arguments.field else archive.fields)
+        note(f"{arguments.archive}: holds a single design, printed as a table; no picture is drawn")
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -1,94 +1,148 @@
 #!/usr/bin/env python3
 """Draws the loads of the best designs of an archive along their swings.
 
-The designs are the fastest that are local maxima of the speed map, so that neighbours do not crowd
-out the rest; each is traced anew with the archive's own job. The format follows the suffix of the
-picture.
+The designs are local maxima of the speed, fastest first: no neighbour in the lattice is faster, and
+of neighbours that are equally fast the first is taken. Each is traced with the archive's own job.
+
+  loads.py accurate.h5                                 -> accurate-loads.png
+  loads.py accurate.h5 --count 1 -o loads.svg
 """
 
-import argparse
 import os
+import shutil
 import subprocess
-import sys
 import tempfile
+
+from program import Parser, fail, note, refuse, run  # before modules that may be missing
 
 import numpy as np
 
-from archive import AXES, Archive, plt, save
+from archive import Archive, design_text, stem
+from picture import OUTPUT_HELP, check_output, labelled, plt, readable_unit, save, set_title
 from trajectory import read_table
 
-PROGRAM = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "build",
-                       "release", "trebsweep")
-PANELS = (("tension", "pull of the sling on the projectile (kN)", 1e-3),
-          ("tip_tension", "pull of the sling on the arm's tip (kN)", 1e-3),
-          ("axle", "force on the axle (kN)", 1e-3),
-          ("stress", "bending stress at the fulcrum (MPa)", 1e-6))
+HERE = os.path.dirname(os.path.abspath(__file__))
+PROGRAMS = (os.path.join(HERE, "..", "build", "release", "trebsweep"),  # built here
+            os.path.join(HERE, "..", "..", "..", "bin", "trebsweep"))   # installed
+PANELS = (("tension", "pull of the sling on the projectile", "N"),
+          ("tip_tension", "pull of the sling on the arm's tip", "N"),
+          ("axle", "force on the axle", "N"),
+          ("stress", "bending stress at the fulcrum", "Pa"))
 
 
-def best_designs(archive, count):
-    """The places of the fastest designs that no neighbour outdoes, fastest first."""
-    speed = np.nan_to_num(archive.map("speed")[...], nan=-1.0)
+def plateau(speed, start):
+    """The places connected to `start` by neighbours that are as fast."""
+    found, front = {start}, [start]
+    while front:
+        place = front.pop()
+        around = tuple(slice(max(i - 1, 0), i + 2) for i in place)
+        first = tuple(part.start for part in around)
+        for offset in np.argwhere(speed[around] == speed[place]):
+            neighbour = tuple(int(i) for i in first + offset)
+            if neighbour not in found:
+                found.add(neighbour)
+                front.append(neighbour)
+    return found
+
+
+def local_maxima(speed, count):
+    """The places of up to `count` local maxima of a map, fastest first; of a plateau its first."""
+    speed = np.nan_to_num(speed, nan=-1.0)
     padded = np.pad(speed, 1, constant_values=-1.0)
     highest = np.full(speed.shape, -1.0)
     for shift in np.ndindex(3, 3, 3):
         window = tuple(slice(s, s + n) for s, n in zip(shift, speed.shape))
         highest = np.maximum(highest, padded[window])
-    peaks = np.argwhere((speed == highest) & (speed > 0))
-    order = np.argsort([-speed[tuple(peak)] for peak in peaks], kind="stable")
-    return [dict(zip(AXES, place)) for place in peaks[order][:count]]
+    is_peak = (speed == highest) & (speed > 0)
+    peaks = [tuple(int(i) for i in place) for place in np.argwhere(is_peak)]
+    maxima, seen = [], set()
+    for place in sorted(peaks, key=lambda place: -speed[place]):
+        if place in seen:
+            continue
+        level = plateau(speed, place)
+        seen |= level
+        if all(is_peak[neighbour] for neighbour in level):  # else it is a ledge
+            maxima.append(place)
+            if len(maxima) == count:
+                break
+    return maxima
+
+
+def find_program():
+    """The program that belongs to this script, or else the one in PATH."""
+    found = [path for path in PROGRAMS if os.access(path, os.X_OK)]
+    return os.path.normpath(found[0]) if found else shutil.which("trebsweep")
 
 
 def trace(archive, design, program):
-    """The table of a design's swing."""
+    """The table of a design's swing; ends the program if it cannot be traced."""
     with tempfile.TemporaryDirectory() as folder:
         job, table = os.path.join(folder, "job.cfg"), os.path.join(folder, "swing.txt")
         with open(job, "w", encoding="utf-8") as file:
-            file.write(archive.attribute("job"))
-        lengths = [text for name, value in design.items() for text in (f"--{name}", f"{value!r}")]
-        with open(table, "w", encoding="utf-8") as file:
-            subprocess.run([program, "trace", job, *lengths, "--interval", "0.002"], check=True,
-                           stdout=file)
-        return read_table(table)
+            file.write(archive.attributes["job"])
+        lengths = [text for name, value in design.items() for text in (f"--{name}", repr(value))]
+        try:
+            with open(table, "w", encoding="utf-8") as file:
+                done = subprocess.run([program, "trace", job, *lengths, "--interval", "0.002"],
+                                      stdout=file, stderr=subprocess.PIPE, text=True, check=False)
+        except OSError as error:
+            fail(f"{program}: cannot be run: {error.strerror}")
+        if done.returncode != 0:
+            fail(f"{program}: cannot trace a design of {archive.path}: "
+                 f"{done.stderr or f'exit code {done.returncode}'}")
+        return read_table(table).rows
 
 
-def draw(archive, count, program):
+def draw(archive, designs, program):
     """The figure, a panel for each load."""
-    figure, panels = plt.subplots(2, 2, figsize=(13, 8), sharex=True, constrained_layout=True)
-    for place in best_designs(archive, count):
-        design = {name: float(archive.axes[name][i]) for name, i in place.items()}
-        table = trace(archive, design, program)
-        label = ", ".join(f"{name} = {value:g}" for name, value in design.items())
-        for axes, (column, _, unit) in zip(panels.flat, PANELS):
-            axes.plot(table["t"], unit * table[column],
-                      label=f"{label} m: {table['speed'][-1]:.4g} m/s")
-    for axes, (_, label, _) in zip(panels.flat, PANELS):
-        axes.set_ylabel(label)
+    figure, panels = plt.subplots(2, 2, figsize=(13, 8), sharex=True)
+    swings = [trace(archive, design, program) for design in designs]
+    for axes, (column, text, unit) in zip(panels.flat, PANELS):
+        factor, unit = readable_unit(unit, max(np.abs(swing[column]).max() for swing in swings))
+        for design, swing in zip(designs, swings):
+            axes.plot(swing["t"], factor * swing[column],
+                      label=f"{design_text(design)}: {swing['speed'][-1]:.4g} m/s")
+        axes.set_ylabel(labelled(text, unit))
         axes.axhline(0, color="grey", linewidth=0.6)
     for axes in panels[1]:
         axes.set_xlabel("time t (s)")
     panels[0, 0].legend(fontsize=8)
-    name = os.path.splitext(os.path.basename(archive.path))[0]
-    figure.suptitle(f"{name}: loads of the fastest designs from rest to release")
+    text = f"{archive.name()}: loads of the fastest designs from rest to release"
+    set_title(figure, text if archive.complete else f"{text}; {archive.progress()}")
     return figure
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("archive", help="archive of a sweep")
-    parser.add_argument("--count", type=int, default=3, help="designs drawn (default: 3)")
-    parser.add_argument("--program", default=PROGRAM, help="the program (default: build/release's)")
+    parser = Parser(__doc__)
+    parser.add_argument("archive", metavar="ARCHIVE", help="of a sweep with a map of the speed")
+    parser.add_argument("--count", type=int, default=3,
+                        help="designs to draw, at most; at least 1 (default: 3)")
+    parser.add_argument("--program", help="trebsweep (default: the one built or installed with "
+                        "this script, or else the one in PATH)")
     parser.add_argument("-o", "--output", metavar="PICTURE",
-                        help="default: the archive's name with -loads.png")
+                        help=OUTPUT_HELP + "default: the archive's name with -loads.png")
     arguments = parser.parse_args()
+
     if arguments.count < 1:
-        sys.exit(f"count = {arguments.count}: must be at least 1")
+        refuse("count", arguments.count, "must be at least 1")
+    output = arguments.output or f"{stem(arguments.archive)}-loads.png"
+    check_output(output, arguments.archive)
     archive = Archive(arguments.archive)
     if "speed" not in archive.fields:
-        sys.exit(f"{arguments.archive}: has no map of the speed")
-    output = arguments.output or f"{os.path.splitext(arguments.archive)[0]}-loads.png"
-    save(draw(archive, arguments.count, arguments.program), output)
+        fail(f"{arguments.archive}: has no map of the speed")
+    program = arguments.program or find_program()
+    if program is None:
+        fail("trebsweep: no such program next to this script or in PATH; build it, or give "
+             "--program")
+    designs = [archive.design(place)
+               for place in local_maxima(archive.read("speed"), arguments.count)]
+    if not designs:
+        fail(f"{arguments.archive}: has no optimum: {archive.best_text()}")
+    save(draw(archive, designs, program), output)
+    if len(designs) < arguments.count:
+        note(f"{arguments.archive}: only {len(designs)} of {arguments.count} designs drawn: the "
+             f"speed has no more local maxima")
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -1,32 +1,37 @@
 #!/usr/bin/env python3
-"""Prints the fastest design of an archive as options for `trebsweep trace`; nothing if there is none."""
+"""Prints the fastest design of an archive as options of `trebsweep trace`.
 
-import argparse
-import sys
+Of an unfinished archive it is the fastest of what is done. Where nothing was released, nothing goes
+to stdout, and the exit code is 0.
+
+  trebsweep trace as-run.cfg $(optimum.py accurate.h5 --job as-run.cfg) > swing.txt
+"""
+
+from program import Parser, fail, keep, note, run  # before modules that may be missing
 
 from archive import Archive
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("archive", help="archive of a sweep")
+    parser = Parser(__doc__)
+    parser.add_argument("archive", metavar="ARCHIVE", help="of a sweep, finished or not")
     parser.add_argument("--job", metavar="FILE", help="also write the job, as it was run, to FILE")
     arguments = parser.parse_args()
 
     archive = Archive(arguments.archive)
     if arguments.job:
+        keep("job", arguments.job, arguments.archive)
         try:
             with open(arguments.job, "w", encoding="utf-8") as file:
-                file.write(archive.attribute("job"))
+                file.write(archive.attributes["job"])
         except OSError as error:
-            sys.exit(f"{arguments.job}: cannot be written: {error.strerror}")
+            fail(f"{arguments.job}: cannot be written: {error.strerror}")
     optimum = archive.optimum()
     if optimum is None:
-        print(f"{arguments.archive}: has no optimum: nothing was released, or the sweep is unfinished",
-              file=sys.stderr)
+        note(f"{arguments.archive}: has no optimum: {archive.best_text()}")
         return
-    print(" ".join(f"--{name} {float(value)!r}" for name, value in optimum.items()))
+    print(" ".join(f"--{name} {value!r}" for name, value in optimum[0].items()))
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -1,0 +1,155 @@
+"""Drawing a map of an archive: a lattice with three free axes as three planes, with two as a plane,
+with one as a line."""
+
+from archive import AXES, edges  # before modules that may be missing
+from picture import labelled, plt, readable_unit, set_title, wrapped
+
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, SymLogNorm
+from matplotlib.ticker import MaxNLocator
+
+# The planes: (fixed axis, horizontal axis, vertical axis).
+PLANES = (("r1", "r2", "r3"), ("r3", "r2", "r1"), ("r2", "r3", "r1"))
+
+
+def views(archive):
+    """The axes of each panel, (horizontal, vertical) or (horizontal,); none for a single design."""
+    free = archive.free_axes
+    if len(free) < 2:
+        return [tuple(free)] if free else []
+    return [names for fixed, *names in PLANES if set(names) <= set(free)]
+
+
+def middle(archive):
+    """{axis: m} of the middle of the lattice's box."""
+    return {name: float(values[len(values) // 2]) for name, values in archive.axes.items()}
+
+
+def parts(archive, field, centre):
+    """The values of a map in each view through `centre` ({axis: m}), as (vertical, horizontal)."""
+    values = []
+    for names in views(archive):
+        where = tuple(slice(None) if name in names else archive.index(name, centre[name])
+                      for name in AXES)
+        part = archive.read(field, where)
+        stored = [name for name in AXES if name in names]
+        values.append(part if stored == list(reversed(names)) else part.T)
+    return values
+
+
+def finite_values(values):
+    """The finite numbers of several arrays."""
+    return np.concatenate([part[np.isfinite(part)] for part in values])
+
+
+def flag_colours(meanings):
+    """Colours of flags and their norm; the flag 0 is blank."""
+    colours = ListedColormap(["white", *plt.get_cmap("Set2").colors[: len(meanings) - 1]])
+    limits = np.arange(len(meanings) + 1) - 0.5
+    return {"cmap": colours, "norm": BoundaryNorm(limits, len(meanings))}
+
+
+def axis_label(archive, name):
+    """The label of an axis of the lattice."""
+    return labelled(f"{archive.long_name(name)} {name}", archive.unit(name))
+
+
+def place_text(archive, names, centre):
+    """Where a view that shows the axes `names` is, as text."""
+    fixed = [name for name in AXES if name not in names]
+    values = [archive.axes[name][archive.index(name, centre[name])] for name in fixed]
+    return ", ".join(f"{name} = {value:g}" for name, value in zip(fixed, values)) + " m"
+
+
+def shows(archive, names, centre, design):
+    """Whether a view of the axes `names` through `centre` holds the design."""
+    return all(archive.index(name, design[name]) == archive.index(name, centre[name])
+               for name in AXES if name not in names)
+
+
+def draw_contours(axes, archive, names, values):
+    """Contours of numbers that vary."""
+    finite = values[np.isfinite(values)]
+    if min(values.shape) < 2 or not finite.size or np.ptp(finite) <= 1e-9 * np.abs(finite).max():
+        return
+    lines = axes.contour(*(archive.axes[name] for name in names), values, 8, colors="white",
+                         linewidths=0.6, alpha=0.8)
+    axes.clabel(lines, fontsize=7, fmt="%g")
+
+
+def draw_plane(axes, archive, names, values, style, contours):
+    """The values of a plane; returns their colours, for the colour bar."""
+    limits = [edges(archive.axes[name]) for name in names]
+    mesh = axes.pcolormesh(*limits, values, rasterized=True, **style)
+    if contours:
+        draw_contours(axes, archive, names, values)
+    axes.set(xlim=limits[0][[0, -1]], ylim=limits[1][[0, -1]],
+             ylabel=axis_label(archive, names[1]))
+    return mesh
+
+
+def draw_line(axes, archive, name, values, style, meanings):
+    """The values along an axis."""
+    marker = "o" if meanings or len(values) < 50 else ""
+    axes.plot(archive.axes[name], values, marker=marker, markersize=4,
+              linestyle="none" if meanings else "-", color="tab:blue")
+    axes.grid(True, color="0.9")
+    if meanings:
+        axes.set_ylim(-0.5, len(meanings) - 0.5)
+    if isinstance(style.get("norm"), LogNorm):
+        axes.set_yscale("log")
+
+
+def draw(archive, values, centre, title, label, style, meanings=(), star=None, star_colour="red",
+         background="white", contours=False):
+    """The figure of a map.
+
+    values    of each view through `centre` ({axis: m}), from parts()
+    label     what the values are, with their unit
+    style     colours of the planes, for pcolormesh
+    meanings  of flags
+    star      {axis: m} of the design to mark, or None
+    """
+    panels = views(archive)
+    figure, all_axes = plt.subplots(1, len(panels), squeeze=False,
+                                    figsize=(15, 5.2) if len(panels) > 1 else (8, 5.8))
+    label = wrapped(label, figure.get_figheight() - 1.2, 10)
+    for axes, names, part in zip(all_axes.flat, panels, values):
+        axes.set_facecolor(background if len(names) > 1 else "white")
+        axes.set_title(place_text(archive, names, centre))
+        axes.set_xlabel(axis_label(archive, names[0]))
+        lengths = archive.axes[names[0]]
+        if np.ptp(lengths) < 0.02 * lengths[-1]:  # its labels have many digits
+            axes.xaxis.set_major_locator(MaxNLocator(4))
+        marked = star is not None and shows(archive, names, centre, star)
+        if len(names) == 1:
+            draw_line(axes, archive, *names, part, style, meanings)
+            scale = axes.yaxis
+            axes.set_ylabel(label)
+            place = marked and (star[names[0]],
+                                part[archive.index(names[0], star[names[0]])])
+        else:
+            mesh = draw_plane(axes, archive, names, part, style, contours)
+            place = marked and tuple(star[name] for name in names)
+        if place:
+            axes.plot(*place, "*", color=star_colour, markersize=13, markeredgecolor="white",
+                      clip_on=False, zorder=3)
+    if len(panels[0]) > 1:
+        bar = figure.colorbar(mesh, ax=all_axes, pad=0.01)
+        bar.set_label("" if meanings else label)
+        if isinstance(mesh.norm, SymLogNorm):  # ticks near zero would lie on each other
+            bar.set_ticks([t for t in bar.get_ticks()
+                           if t == 0 or mesh.norm.linthresh <= abs(t) <= mesh.norm.vmax])
+        scale = bar
+    if meanings:
+        scale.set_ticks(range(len(meanings)), labels=meanings)
+    set_title(figure, title)
+    return figure
+
+
+def scaled(archive, field, values):
+    """The values of a map's views in a readable unit, its factor, and the unit."""
+    finite = finite_values(values)
+    largest = np.abs(finite).max() if finite.size else 0
+    factor, unit = readable_unit(archive.unit(field), largest)
+    return [factor * part for part in values], unit

@@ -1,0 +1,88 @@
+"""What the scripts have in common as programs: options, messages and exit codes.
+
+Exit codes: 0 done; 1 a file, a module or a program is missing or unusable; 2 bad command line.
+Every failure is one line on stderr. Import this module before others: it also reports missing ones.
+"""
+
+import argparse
+import os
+import signal
+import sys
+
+NAME = os.path.basename(sys.argv[0])
+
+
+def note(message):
+    """Prints a line on stderr; line breaks in the message become spaces."""
+    print(" ".join(str(message).split()), file=sys.stderr)
+
+
+def fail(message):
+    """Ends the program with exit code 1 and a message."""
+    note(message)
+    sys.exit(1)
+
+
+def refuse(option, value, allowed):
+    """Ends the program with exit code 2 and a message: an option's value is not what is allowed."""
+    note(f"{option} = {value}: {allowed}")
+    sys.exit(2)
+
+
+def keep(option, path, *inputs):
+    """Ends the program with exit code 2 where writing `path` would overwrite what is read."""
+    if any(os.path.exists(path) and os.path.exists(name) and os.path.samefile(path, name)
+           for name in inputs):
+        refuse(option, path, "must not be a file that is read")
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose help is the script's docstring as it is, and whose errors are one line."""
+
+    def __init__(self, doc):
+        super().__init__(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+
+    def error(self, message):
+        note(f"{NAME}: {message}; see {NAME} --help")
+        sys.exit(2)
+
+
+def is_hdf5(path):
+    """Whether a file begins as an HDF5 file does."""
+    if not os.path.isfile(path):
+        return False
+    with open(path, "rb") as file:
+        return file.read(8) == b"\x89HDF\r\n\x1a\n"
+
+
+def run(main):
+    """Runs `main` in a child process, since HDF5 crashes on some damaged files."""
+    child = os.fork()
+    if child == 0:
+        sys.stdout.reconfigure(errors="surrogateescape")  # file names can be any bytes
+        main()
+        sys.stdout.flush()
+        sys.exit()
+    status = os.waitpid(child, 0)[1]
+    if os.WIFSIGNALED(status):
+        files = " or ".join(filter(is_hdf5, sys.argv[1:]))
+        fail(f"{files}: damaged, or of another kind: HDF5 was ended by "
+             f"{signal.Signals(os.WTERMSIG(status)).name}")
+    sys.exit(os.WEXITSTATUS(status))
+
+
+def report(kind, error, traceback):
+    """Shows what nobody has caught: in one line, unless it is a mistake in the scripts."""
+    if issubclass(kind, ImportError):
+        note(f"{NAME}: {sys.executable} cannot import {error.name or 'a module'}; install h5py, "
+             f"matplotlib and numpy (Debian: python3-h5py, python3-matplotlib), or use a python3 "
+             f"that has them, such as /usr/bin/python3 {sys.argv[0]}")
+    elif issubclass(kind, OSError):
+        note(f"{error.filename}: {error.strerror}" if error.filename else error)
+    elif issubclass(kind, MemoryError):
+        note(f"{NAME}: out of memory")
+    elif not issubclass(kind, KeyboardInterrupt):
+        sys.__excepthook__(kind, error, traceback)
+
+
+sys.excepthook = report
