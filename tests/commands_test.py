@@ -420,6 +420,15 @@ class Sweep(CommandTest):
         self.assertNotIn("%", done.stderr.replace("within 5 %", ""))
 
 
+class LongPaths(CommandTest):
+    def test_an_archive_may_have_a_path_of_a_thousand_characters(self):
+        folder = os.path.join(self.folder, *(name * 200 for name in "abcde"))
+        os.makedirs(folder)
+        for ranks in (None, 2):
+            self.run_program("sweep", self.job, *COARSE, "--overwrite", "--output.file", os.path.join(folder, "long.h5"), ranks=ranks)
+        self.assertEqual(os.listdir(folder), ["long.h5"])
+
+
 class ExistingFiles(CommandTest):
     def test_the_same_job_is_done_already(self):
         self.run_program("sweep", self.job, *COARSE)
