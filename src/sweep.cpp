@@ -15,6 +15,7 @@
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/output.hpp"
+#include "trebsweep/partial.hpp"
 #include "trebsweep/version.hpp"
 
 namespace trebsweep {
@@ -286,30 +287,40 @@ std::uint64_t next_batch(std::uint64_t batch, double round_seconds, std::size_t 
 
 /// Where a sweep stands before its first round.
 struct Start {
-  bool complete = false;   ///< the archive is there already
-  bool stopped = false;    ///< told to stop while the partial file was made
-  Index3 edge{};           ///< of the tiles
-  std::uint64_t done = 0;  ///< tiles that earlier runs have done
+  bool complete = false;        ///< the archive is there already
+  Index3 edge{};                ///< of the tiles
+  std::uint64_t done = 0;       ///< tiles that earlier runs have done
+  std::optional<RunMark> mark;  ///< of the partial file; none where there is none yet
 };
 
-/// Finds or makes the partial file, as rank 0 alone does; `tally` becomes that of what is done.
-Start find_or_make(const Job& job, const Lattice& lattice, const SweepOptions& options,
-                   const Place& place, const std::string& history, Tally& tally) {
-  Start start{.complete = place.complete, .edge = tile_edge(options, lattice)};
-  const auto maps = map_infos(job.output);
-  if (place.begun) {
-    start.edge = place.begun->tile_edge;
-    start.done = place.begun->tiles_done;
-    tally = place.begun->tally;
-    continue_partial(job.output.file, Tiling(lattice, start.edge), maps, start.done, history);
-  } else if (!place.complete) {
-    // Where an archive is replaced, the command that continues is another one, without --overwrite:
-    // only once there is something to continue.
-    const auto stop = [&] { return !options.overwrite && options.stop(); };
-    start.stopped = !create_partial(job.output.file, lattice, Tiling(lattice, start.edge), maps,
-                                    job.output.compression, attributes(job, history), stop);
-  }
+/// Finds an archive or a partial file, as rank 0 alone does; `tally` becomes that of what is done.
+Start find(const Job& job, const Lattice& lattice, const SweepOptions& options, const Place& place,
+           const std::string& history, Tally& tally) {
+  Start start{
+      .complete = place.complete, .edge = tile_edge(options, lattice), .done = 0, .mark = {}};
+  if (!place.begun) return start;
+  start.edge = place.begun->tile_edge;
+  start.done = place.begun->tiles_done;
+  tally = place.begun->tally;
+  start.mark = continue_partial(place.path, Tiling(lattice, start.edge), map_infos(job.output),
+                                start.done, history);
   return start;
+}
+
+/// Makes the partial file; collective. Returns the mark of this run, or nothing if told to stop.
+std::optional<RunMark> make(const std::filesystem::path& path, const Job& job,
+                            const Lattice& lattice, const Tiling& tiling,
+                            const SweepOptions& options, const std::string& history,
+                            MPI_Comm comm) {
+  const auto all = attributes(job, history);
+  const auto maps = map_infos(job.output);
+  Progress progress(0, tiling.size(), mpi::rank(comm) == 0 ? options.progress : ProgressStyle::none,
+                    "tiles created");
+  const auto watch = [&](double share) {
+    progress.update(static_cast<std::uint64_t>(share * static_cast<double>(tiling.size())));
+    return options.stop();
+  };
+  return create_partial(path, {lattice, tiling, maps, job.output.compression, all}, watch, comm);
 }
 
 }  // namespace
@@ -324,20 +335,24 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   Tally tally;
   Start start;
   check_kernels(comm);
-  mpi::on_root(comm, [&] {
+  const std::string history = history_line(options.command, ranks);
+  const std::filesystem::path path = mpi::text_of_root(comm, [&] {
     place = prepare_output(job, options.overwrite);
-    start = find_or_make(job, lattice, options, place, history_line(options.command, ranks), tally);
+    start = find(job, lattice, options, place, history, tally);
+    return place.path.string();
   });
   start = mpi::from_root(start, comm);
   if (start.complete) return std::nullopt;
-  if (start.stopped) {
+  const Tiling tiling(lattice, start.edge);
+  if (!start.mark) start.mark = make(path, job, lattice, tiling, options, history, comm);
+  if (!start.mark) {
     Summary summary;
     summary.complete = false;
+    summary.begun = false;
     return summary;
   }
 
-  const Tiling tiling(lattice, start.edge);
-  Archive archive(job.output.file, map_infos(job.output), comm);
+  Archive archive(path, map_infos(job.output), comm);
 
   std::uint64_t designs_done = tally.designs();  // right on rank 0, which tells it
   Progress progress(designs_done, lattice.designs(),
@@ -355,6 +370,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
     const bool all_computed = mpi::max(computed ? 0 : 1, comm) == 0;
     if (!all_computed) break;
 
+    if (rank == 0) check_mark(*start.mark, partial_path(path));
     write(dealt, rank, *computed, archive);
     for (std::size_t i = 0; i < computed->size(); ++i) {
       ComputedTile& tile = (*computed)[i];
@@ -376,7 +392,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   summary.complete = next == tiling.size();
   if (summary.complete) archive.write(attributes(summary));
   archive.close();
-  if (summary.complete) mpi::on_root(comm, [&] { finish(job.output.file); });
+  if (summary.complete) mpi::on_root(comm, [&] { finish(path, *start.mark, place.replaces); });
   return summary;
 }
 
