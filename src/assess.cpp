@@ -8,12 +8,12 @@
 #include <limits>
 
 #include "trebsweep/accuracy.hpp"
-#include "trebsweep/archive.hpp"
 #include "trebsweep/cases.hpp"
 #include "trebsweep/hdf5.hpp"
 #include "trebsweep/lattice_error.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/output.hpp"
+#include "trebsweep/partial.hpp"
 #include "trebsweep/sample.hpp"
 #include "trebsweep/stability.hpp"
 #include "trebsweep/steppers.hpp"
@@ -409,20 +409,21 @@ Table advice_table(const std::vector<Case>& cases, const std::vector<Row>& rows,
   return table;
 }
 
-void write_file(const std::vector<Table>& tables, const Job& job, const AssessOptions& options,
-                std::uint64_t ranks) {
-  const auto partial =
-      partial_path(job.output.file).string() + ".new";  // the lock keeps others from it
-  const std::string what = "write " + partial;
+void write_file(const std::filesystem::path& path, const std::vector<Table>& tables, const Job& job,
+                const AssessOptions& options, std::uint64_t ranks) {
+  const auto partial = new_path(path);  // the lock keeps others from it
+  const std::string what = "write " + partial.string();
   hdf5::silence();
-  hdf5::File file(H5Fcreate(partial.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), what);
+  std::filesystem::remove(partial);
+  hdf5::File file(H5Fcreate(partial.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT), what);
+  hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), what);  // its signature
   hdf5::write_attribute(file, "title", std::string("Trebuchet assessment"));
   hdf5::write_attribute(file, "source", version_text());
   hdf5::write_attribute(file, "history", history_line(options.command, ranks));
   hdf5::write_attribute(file, "job", to_text(job, true));
   for (const Table& table : tables) write(file, table);
   file.close(what);
-  std::filesystem::rename(partial, job.output.file);
+  std::filesystem::rename(partial, path);
 }
 
 }  // namespace
@@ -433,8 +434,8 @@ std::vector<Table> assess(const Job& job, const AssessOptions& options, MPI_Comm
   const auto tell = [&](const std::string& what) {
     if (root && options.progress) fmt::print(stderr, "{:6.1f} s  {}\n", MPI_Wtime() - begin, what);
   };
-  std::unique_ptr<FileLock> lock;  // on rank 0 alone
-  mpi::on_root(comm, [&] { lock = reserve_output(job, options.overwrite); });
+  Place place;  // on rank 0 alone
+  mpi::on_root(comm, [&] { place = reserve_output(job, options.overwrite); });
   std::vector<Case> cases = make_cases(job, comm);
   tell("references in quadruple precision");
   refer(cases, comm);
@@ -456,8 +457,9 @@ std::vector<Table> assess(const Job& job, const AssessOptions& options, MPI_Comm
   tell("the whole lattice");
   tables.push_back(lattice_table(cases.front(), rows, job.assess, comm));
   tables.push_back(advice_table(cases, rows, job.assess.target_error));
-  mpi::on_root(
-      comm, [&] { write_file(tables, job, options, static_cast<std::uint64_t>(mpi::size(comm))); });
+  mpi::on_root(comm, [&] {
+    write_file(place.path, tables, job, options, static_cast<std::uint64_t>(mpi::size(comm)));
+  });
   tell("done");
   return tables;
 }

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "trebsweep/archive.hpp"
+#include "trebsweep/archive_format.hpp"
 #include "trebsweep/child.hpp"
 #include "trebsweep/hdf5.hpp"
 
@@ -21,12 +21,16 @@ hdf5::File open_file(const std::filesystem::path& path) {
   return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open it"};
 }
 
-/// A text attribute that can be shown: damage can be anything, and a terminal obeys control
-/// characters.
+/// Whether a text can be shown: damage can be anything, and a terminal obeys control characters.
+bool is_text(const std::string& text) {
+  return std::none_of(text.begin(), text.end(),
+                      [](unsigned char c) { return std::iscntrl(c) && c != '\n' && c != '\t'; });
+}
+
+/// A text attribute that can be shown.
 std::string read_text(hid_t file, const std::string& name) {
   std::string text = hdf5::read_text_attribute(file, name);
-  const auto is_control = [](unsigned char c) { return std::iscntrl(c) && c != '\n' && c != '\t'; };
-  if (std::any_of(text.begin(), text.end(), is_control)) damaged(name + " is no text");
+  if (!is_text(text)) damaged(name + " is no text");
   return text;
 }
 
@@ -52,6 +56,36 @@ Tally read_tally(hid_t file, std::uint64_t tiles, std::uint64_t done, std::uint6
     sum.add(tally);
   }
   return sum;
+}
+
+/// How many tiles from the first on are done.
+std::uint64_t count_done(const std::vector<double>& done) {
+  return static_cast<std::uint64_t>(
+      std::find_if(done.begin(), done.end(), [](double flag) { return flag != 1; }) - done.begin());
+}
+
+Archived read_archived(const std::filesystem::path& path) {
+  const hdf5::File file = open_file(path);
+  if (!read_text(file, "source").starts_with("trebsweep ")) damaged("made by another program");
+  Archived archived{.job = read_text(file, "job"),
+                    .is_sweep = H5Lexists(file, "tile_done", H5P_DEFAULT) > 0};
+  if (archived.is_sweep) {
+    const auto done = hdf5::read_numbers(file, "tile_done");
+    archived.tiles = done.size();
+    archived.tiles_done = count_done(done);
+  }
+  return archived;
+}
+
+AssessmentContents read_assessment_here(const std::filesystem::path& path) {
+  const hdf5::File file = open_file(path);
+  AssessmentContents contents{.job = read_text(file, "job"),
+                              .source = read_text(file, "source"),
+                              .history = read_text(file, "history"),
+                              .tables = {}};
+  for (const std::string& name : hdf5::link_names(file))
+    if (is_text(name)) contents.tables.push_back(name);
+  return contents;
 }
 
 Contents read(const std::filesystem::path& path) {
@@ -82,8 +116,7 @@ Contents read(const std::filesystem::path& path) {
   }
   const auto done = hdf5::read_numbers(file, "tile_done");
   contents.tiles = done.size();
-  contents.tiles_done = static_cast<std::uint64_t>(
-      std::find_if(done.begin(), done.end(), [](double flag) { return flag != 1; }) - done.begin());
+  contents.tiles_done = count_done(done);
   contents.tally = read_tally(file, contents.tiles, contents.tiles_done, cells);
   return contents;
 }
@@ -108,15 +141,16 @@ Contents read_contents(const std::filesystem::path& path) {
 
 std::optional<Archived> archived_job(const std::filesystem::path& path) {
   try {
-    return try_first(path, [&] {
-      const hdf5::File file = open_file(path);
-      return Archived{read_text(file, "job"), H5Lexists(file, "tile_done", H5P_DEFAULT) > 0};
-    });
+    return try_first(path, [&] { return read_archived(path); });
   } catch (const std::system_error&) {
     throw;  // nothing is known of the file
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }
+}
+
+AssessmentContents read_assessment(const std::filesystem::path& path) {
+  return try_first(path, [&] { return read_assessment_here(path); });
 }
 
 }  // namespace trebsweep

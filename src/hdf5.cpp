@@ -42,6 +42,17 @@ void fail(const std::string& what) {
   throw std::runtime_error("cannot " + what + (reason.empty() ? "" : ": " + reason));
 }
 
+File open_parallel(const std::filesystem::path& path, MPI_Comm comm) {
+  const std::string what = "open " + path.string();
+  const Properties access(H5Pcreate(H5P_FILE_ACCESS), what);
+  check(H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL), what);
+  return {H5Fopen(path.c_str(), H5F_ACC_RDWR, access), what};
+}
+
+Dataset open_dataset(hid_t file, const std::string& name) {
+  return {H5Dopen2(file, name.c_str(), H5P_DEFAULT), "open " + name};
+}
+
 Datatype text_type() {
   Datatype type(H5Tcopy(H5T_C_S1), "make a text type");
   check(H5Tset_size(type, H5T_VARIABLE), "make a text type");
@@ -82,6 +93,16 @@ double read_number_attribute(hid_t object, const std::string& name) {
   double value = 0;
   check(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value), what);
   return value;
+}
+
+std::vector<std::string> link_names(hid_t group) {
+  std::vector<std::string> names;
+  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* all) {
+    static_cast<std::vector<std::string>*>(all)->push_back(name);
+    return herr_t{0};
+  };
+  check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names), "list its members");
+  return names;
 }
 
 std::vector<hsize_t> extents(hid_t dataset) {

@@ -55,7 +55,7 @@ int run_sweep(const CommandLine& line, const std::string& command) {
   if (mpi::rank(MPI_COMM_WORLD) != 0) return code;
   if (code != 0)
     fmt::print(stderr, "trebsweep: stopped with {} designs done; the same command continues{}\n",
-               summary->designs(), line.overwrite ? ", without --overwrite" : "");
+               summary->designs(), line.overwrite && summary->begun ? ", without --overwrite" : "");
   else if (summary)
     print_summary(*summary, job);
   else

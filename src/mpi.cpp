@@ -21,11 +21,11 @@ int size(MPI_Comm comm) {
   return size;
 }
 
-std::string broadcast(std::string text, MPI_Comm comm) {
+std::string broadcast(std::string text, MPI_Comm comm, int root) {
   int length = static_cast<int>(text.size());
-  MPI_Bcast(&length, 1, MPI_INT, 0, comm);
+  MPI_Bcast(&length, 1, MPI_INT, root, comm);
   text.resize(static_cast<std::size_t>(length));
-  MPI_Bcast(text.data(), length, MPI_CHAR, 0, comm);
+  MPI_Bcast(text.data(), length, MPI_CHAR, root, comm);
   return text;
 }
 
@@ -76,6 +76,20 @@ std::string text_of_root(MPI_Comm comm, const std::function<std::string()>& f) {
 
 void on_root(MPI_Comm comm, const std::function<void()>& f) {
   text_of_root(comm, [&] { return f(), std::string(); });
+}
+
+void on_all(MPI_Comm comm, const std::function<void()>& f) {
+  std::string message;
+  const auto ranks = static_cast<std::uint64_t>(size(comm));
+  std::uint64_t failed = ranks;  // the first rank that did
+  try {
+    f();
+  } catch (const std::exception& error) {
+    message = error.what();
+    failed = static_cast<std::uint64_t>(rank(comm));
+  }
+  failed = min(failed, comm);
+  if (failed < ranks) throw RootError(broadcast(message, comm, static_cast<int>(failed)));
 }
 
 }  // namespace trebsweep::mpi

@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <filesystem>
+#include <fstream>
+#include <string_view>
 #include <system_error>
 
-#include "trebsweep/archive.hpp"
 #include "trebsweep/error.hpp"
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/key.hpp"
+#include "trebsweep/partial.hpp"
+#include "trebsweep/regular_file.hpp"
 #include "trebsweep/version.hpp"
 
 namespace trebsweep {
@@ -48,7 +52,7 @@ Contents read_begun(const Job& job, const fs::path& partial) {
       throw;  // nothing is known of the file
     } catch (const std::runtime_error& error) {
       throw std::runtime_error(
-          fmt::format("{}: {}; it cannot be continued: remove it, or start anew with --overwrite",
+          fmt::format("{}: {}; it cannot be continued: remove it, or start again with --overwrite",
                       partial.string(), error.what()));
     }
   };
@@ -56,7 +60,7 @@ Contents read_begun(const Job& job, const fs::path& partial) {
   const auto refuse_version = [&](const std::string& what, std::string_view there,
                                   std::string_view here) {
     throw std::runtime_error(
-        fmt::format("{} was begun {} {}, this is {}: finish it there, or start anew with "
+        fmt::format("{} was begun {} {}, this is {}: finish it there, or start again with "
                     "--overwrite",
                     partial.string(), what, there, here));
   };
@@ -66,7 +70,7 @@ Contents read_begun(const Job& job, const fs::path& partial) {
   if (!differ.empty())
     throw InputError(
         fmt::format("output.file = {}: {} holds an unfinished sweep of another job ({}); name "
-                    "another file, or start anew with --overwrite",
+                    "another file, or start again with --overwrite",
                     job.output.file, partial.string(), fmt::join(differ, "; ")));
   if (fuses(begun.kernel) != fuses(instruction_set()))
     refuse_version("on a machine with", begun.kernel, instruction_set());
@@ -74,8 +78,7 @@ Contents read_begun(const Job& job, const fs::path& partial) {
   if (begun.axes != lattice.axes() || begun.tiles != Tiling(lattice, begun.tile_edge).size())
     throw std::runtime_error(
         fmt::format("{}: damaged: its lattice is not its job's; it cannot be continued: remove it, "
-                    "or start anew "
-                    "with --overwrite",
+                    "or start again with --overwrite",
                     partial.string()));
   return begun;
 }
@@ -84,83 +87,134 @@ Contents read_begun(const Job& job, const fs::path& partial) {
   throw InputError(fmt::format("output.file = {}: {}", job.output.file, why));
 }
 
-/// The archive that is there already, which `overwrite` allows to replace. Throws InputError where
-/// something else is there.
-std::optional<Archived> find_archive(const Job& job) {
-  std::error_code unknown;  // what cannot be asked about cannot be written either
-  if (!fs::exists(job.output.file, unknown)) return std::nullopt;
-  auto archived = archived_job(job.output.file);
+fs::path lock_path(const fs::path& path) { return path.string() + ".lock"; }
+
+/// The job's output file, links followed. Throws InputError where it, or a file next to it that a
+/// run needs, cannot have its name, or where there is something else than a regular file.
+fs::path check_names(const Job& job) {
+  fs::path path;
+  try {
+    path = follow_links(job.output.file);
+  } catch (const std::system_error& error) {
+    refuse_file(job, error.code().message());
+  }
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::error_code unknown;
+  if (!fs::is_directory(folder, unknown))
+    refuse_file(job, fmt::format("{} is no folder; make it, or name another", folder.string()));
+  if (const auto kind = irregular_kind(path))
+    refuse_file(job, fmt::format("is {}; name a file", *kind));
+  for (const fs::path& name : {path, lock_path(path), partial_path(path), new_path(path)}) {
+    std::error_code error;
+    const fs::file_status status = fs::symlink_status(name, error);
+    if (status.type() == fs::file_type::none)
+      refuse_file(job, fmt::format("cannot write in {}: {}: {}", folder.string(),
+                                   name.filename().string(), error.message()));
+    if (const auto kind = irregular_kind(status))
+      refuse_file(
+          job, fmt::format("{} is {}; move it away, or name another file", name.string(), *kind));
+  }
+  return path;
+}
+
+/// Takes the lock, and looks for what may not be replaced under the name of the new file.
+std::unique_ptr<FileLock> take_lock(const Job& job, const fs::path& path) {
+  std::unique_ptr<FileLock> lock;
+  try {
+    lock = std::make_unique<FileLock>(lock_path(path));
+  } catch (const InputError& error) {
+    refuse_file(job, error.what());
+  } catch (const std::system_error& error) {
+    refuse_file(
+        job, fmt::format("cannot write {}: {}", lock_path(path).string(), error.code().message()));
+  }
+  // A killed run leaves an empty file there, or one that starts as every HDF5 file.
+  constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
+  std::array<char, signature.size()> start{};
+  std::ifstream file(new_path(path), std::ios::binary);
+  file.read(start.data(), start.size());
+  if (file.gcount() > 0 && std::string_view(start.data(), start.size()) != signature)
+    refuse_file(job,
+                fmt::format("{} is there and is no archive; move it away, or name another file",
+                            new_path(path).string()));
+  return lock;
+}
+
+/// The archive that is there already. Throws InputError where something else is.
+std::optional<Archived> find_archive(const Job& job, const fs::path& path) {
+  if (!fs::exists(path)) return std::nullopt;
+  auto archived = archived_job(path);
   if (!archived) refuse_file(job, "is there already and is no archive; name another file");
   return archived;
 }
 
-/// Whether the archive of this very job is there already.
-bool is_complete(const Job& job, bool overwrite) {
-  const auto archived = find_archive(job);
-  if (!archived || overwrite) return false;
-  if (same_job(job, *archived)) return true;
-  refuse_file(job,
-              fmt::format("holds {}; name another file, or replace it with --overwrite",
-                          archived->is_sweep ? "the archive of another job" : "an assessment"));
+/// The unfinished sweep that is there already. Throws InputError where something else is.
+std::optional<Archived> find_partial(const Job& job, const fs::path& path) {
+  const fs::path partial = partial_path(path);
+  if (!fs::exists(partial)) return std::nullopt;
+  auto begun = archived_job(partial);
+  if (!begun || !begun->is_sweep)
+    refuse_file(
+        job, fmt::format("{} is there and is no unfinished sweep, or is damaged; move it away, or "
+                         "name another file",
+                         partial.string()));
+  return begun;
 }
 
-fs::path folder_of(const Job& job) {
-  const fs::path path = job.output.file;
-  return path.has_parent_path() ? path.parent_path() : fs::path(".");
-}
-
-void check_folder(const Job& job) {
-  std::error_code unknown;
-  const fs::path folder = folder_of(job);
-  if (!fs::is_directory(folder, unknown))
-    refuse_file(job, fmt::format("{} is no folder; make it, or name another", folder.string()));
-  if (fs::is_directory(job.output.file, unknown)) refuse_file(job, "is a folder; name a file");
-}
-
-std::unique_ptr<FileLock> take_lock(const Job& job) {
-  try {
-    return std::make_unique<FileLock>(job.output.file + ".lock");
-  } catch (const InputError& held) {
-    refuse_file(job, fmt::format("another run is writing it: {}", held.what()));
-  } catch (const std::system_error& error) {
-    refuse_file(job, fmt::format("cannot write in {}: {}", folder_of(job).string(),
-                                 error.code().message()));
-  }
+/// Throws InputError where an archive is not the complete one of this very job.
+void require_same(const Job& job, const fs::path& path, const Archived& archived) {
+  const auto refuse = [&](const std::string& what, const std::string& remedy) {
+    refuse_file(job, fmt::format("holds {}; {}, or replace it with --overwrite", what, remedy));
+  };
+  if (!archived.is_sweep) refuse("an assessment", "name another file");
+  if (!same_job(job, archived))
+    refuse(fmt::format("the {}archive of another job", archived.complete() ? "" : "unfinished "),
+           "name another file");
+  if (!archived.complete())
+    refuse(fmt::format("an unfinished archive of this job, {} of {} tiles done",
+                       archived.tiles_done, archived.tiles),
+           fmt::format("rename it to {} to continue it", partial_path(path).string()));
 }
 
 }  // namespace
 
 Place prepare_output(const Job& job, bool overwrite) {
-  check_folder(job);
-  const fs::path partial = partial_path(job.output.file);
   Place place;
+  place.path = check_names(job);
   const auto look = [&] {
+    const auto archived = find_archive(job, place.path);
+    const auto begun = find_partial(job, place.path);
     // Under another archive's name there is an unfinished one only where that may be replaced.
-    const auto begun = archived_job(partial);
     const bool continued = !overwrite && begun && same_job(job, *begun);
-    place.complete = !continued && is_complete(job, overwrite);
-    return !place.complete;
+    if (archived && !continued && !overwrite) {
+      require_same(job, place.path, *archived);
+      place.complete = true;
+    }
+    place.replaces = archived && !place.complete;
+    return begun.has_value();
   };
-  if (!look()) return place;
-  place.lock = take_lock(job);
-  // Another sweep may have finished meanwhile.
-  if (!look()) {
+  look();
+  if (place.complete) return place;
+  place.lock = take_lock(job, place.path);
+  const bool begun = look();  // another sweep may have finished meanwhile
+  if (place.complete)
     place.lock.reset();
-    return place;
-  }
-  if (!overwrite && fs::exists(partial)) place.begun = read_begun(job, partial);
+  else if (begun && !overwrite)
+    place.begun = read_begun(job, partial_path(place.path));
   return place;
 }
 
-std::unique_ptr<FileLock> reserve_output(const Job& job, bool overwrite) {
-  check_folder(job);
-  auto lock = take_lock(job);
-  if (find_archive(job) && !overwrite)
+Place reserve_output(const Job& job, bool overwrite) {
+  Place place;
+  place.path = check_names(job);
+  place.lock = take_lock(job, place.path);
+  place.replaces = find_archive(job, place.path).has_value();
+  if (place.replaces && !overwrite)
     refuse_file(job, "is there already; name another file, or replace it with --overwrite");
-  if (const auto partial = partial_path(job.output.file); fs::exists(partial))
-    refuse_file(job,
-                fmt::format("{} holds an unfinished sweep; name another file", partial.string()));
-  return lock;
+  if (fs::exists(partial_path(place.path)))
+    refuse_file(job, fmt::format("{} holds an unfinished sweep; name another file",
+                                 partial_path(place.path).string()));
+  return place;
 }
 
 }  // namespace trebsweep

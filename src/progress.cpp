@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 namespace trebsweep {
 namespace {
@@ -31,8 +32,8 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-Progress::Progress(std::uint64_t before, std::uint64_t total, ProgressStyle style)
-    : before_(before), total_(total), style_(style) {
+Progress::Progress(std::uint64_t before, std::uint64_t total, ProgressStyle style, std::string unit)
+    : before_(before), total_(total), style_(style), unit_(std::move(unit)) {
   if (style_ == ProgressStyle::automatic)
     style_ = on_terminal() ? ProgressStyle::bar : ProgressStyle::lines;
 }
@@ -53,11 +54,11 @@ void Progress::update(std::uint64_t done) {
                                ? "in " + clock_text(elapsed)
                                : clock_text(static_cast<double>(total_ - done) / pace) + " left";
   const std::string numbers =
-      fmt::format("{:3.0f} %  {} of {} designs  {}", 100 * share, done, total_, time);
+      fmt::format("{:3.0f} %  {} of {} {}  {}", 100 * share, done, total_, unit_, time);
   if (bar) {
     constexpr int width = 30;
     const int filled = static_cast<int>(width * share);
-    fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {}  {}", "", filled, "", width - filled, numbers,
+    fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:<60}{}", "", filled, "", width - filled, numbers,
                complete ? "\n" : "");
   } else {
     fmt::print(stderr, "{}\n", numbers);

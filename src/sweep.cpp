@@ -3,30 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <iterator>
 #include <limits>
-#include <stdexcept>
 
 #include "trebsweep/archive.hpp"
-#include "trebsweep/integrate.hpp"
+#include "trebsweep/compute.hpp"
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/mpi.hpp"
 #include "trebsweep/output.hpp"
-#include "trebsweep/sample.hpp"
+#include "trebsweep/partial.hpp"
 #include "trebsweep/schedule.hpp"
 #include "trebsweep/version.hpp"
 
 namespace trebsweep {
 namespace {
 
-/// One map of one tile; values along r2 fastest.
-using Map = std::vector<double>;
-
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-double outside(Field field) { return is_flag(field) ? 0 : nan; }
 
 /// The names of a flag field's values 0, 1, ...
 std::vector<std::string> flag_meanings(Field field) {
@@ -44,7 +36,7 @@ std::vector<MapInfo> map_infos(const Output& output) {
     std::replace(map.dataset.begin(), map.dataset.end(), '-', '_');
     map.units = std::string(info(field).units);
     map.long_name = std::string(info(field).meaning);
-    map.fill = outside(field);
+    map.fill = outside_lattice(field);
     map.flag_meanings = flag_meanings(field);
     if (is_flag(field))
       map.type = MapType::uint8;
@@ -54,111 +46,6 @@ std::vector<MapInfo> map_infos(const Output& output) {
     maps.push_back(std::move(map));
   }
   return maps;
-}
-
-/// Calls f(i, cell) for each design of a tile: its place in the lattice, and in the tile's maps.
-template <class F>
-void for_each_design(const Lattice& lattice, const Tile& tile, F f) {
-  std::size_t cell = 0;
-  for (std::size_t i1 = tile.first[0]; i1 < tile.first[0] + tile.count[0]; ++i1)
-    for (std::size_t i3 = tile.first[1]; i3 < tile.first[1] + tile.count[1]; ++i3)
-      for (std::size_t i2 = tile.first[2]; i2 < tile.first[2] + tile.count[2]; ++i2, ++cell)
-        if (lattice.holds({i1, i3, i2})) f(Index3{i1, i3, i2}, cell);
-}
-
-double basic_value(const Shot& shot, Field field) {
-  switch (field) {
-    case Field::speed:
-      return shot.speed;
-    case Field::release_time:
-      return shot.release_time;
-    case Field::status:
-      return static_cast<double>(shot.status);
-    case Field::steps:
-      return static_cast<double>(shot.steps);
-    default:
-      throw std::logic_error("not a field of every shot");
-  }
-}
-
-/// The fields beyond those of every shot that a job's maps, or its choice of the optimum, need.
-std::vector<Field> extra_fields(const Output& output) {
-  std::vector<Field> extra;
-  std::copy_if(output.fields.begin(), output.fields.end(), std::back_inserter(extra),
-               [](Field field) { return !is_basic(field); });
-  if (output.contest == Contest::taut && std::count(extra.begin(), extra.end(), Field::slack) == 0)
-    extra.push_back(Field::slack);
-  return extra;
-}
-
-/// A tile's maps, one per field of the job, and what they came to.
-struct ComputedTile {
-  std::vector<Map> maps;
-  Tally tally;
-};
-
-/// Integrates designs, asking now and then whether to stop: slow ones can take minutes per tile.
-/// Returns the lanes' steps, or nothing if told to stop.
-std::optional<std::uint64_t> integrate(const Job& job, std::span<const Design<double>> designs,
-                                       const std::vector<Field>& fields, std::span<Shot> shots,
-                                       std::span<double> values,
-                                       const std::function<bool()>& stop) {
-  std::uint64_t lane_steps = 0, slice = 16;
-  for (std::size_t first = 0; first < designs.size();) {
-    if (stop()) return std::nullopt;
-    const std::size_t count = std::min(slice, designs.size() - first);
-    const double start = MPI_Wtime();
-    lane_steps += integrate(job.scene, job.solver, designs.subspan(first, count), fields,
-                            shots.subspan(first, count),
-                            values.subspan(first * fields.size(), count * fields.size()))
-                      .lane_steps;
-    slice = paced(slice, MPI_Wtime() - start, 0.2);
-    first += count;
-  }
-  return lane_steps;
-}
-
-/// Computes some tiles, or nothing if told to stop.
-std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>& tiles,
-                                                 const Job& job, const Lattice& lattice,
-                                                 const std::function<bool()>& stop) {
-  if (stop()) return std::nullopt;
-  std::vector<Design<double>> designs;
-  for (const auto& [number, tile] : tiles)
-    for_each_design(lattice, tile,
-                    [&](const Index3& i, std::size_t) { designs.push_back(lattice.design(i)); });
-  const std::vector<Field> extra = extra_fields(job.output);
-  std::vector<Shot> shots(designs.size());
-  std::vector<double> values(designs.size() * extra.size());
-  const auto lane_steps = integrate(job, designs, extra, shots, values, stop);
-  if (!lane_steps) return std::nullopt;
-
-  const auto place = [&](Field field) {
-    return static_cast<std::size_t>(std::find(extra.begin(), extra.end(), field) - extra.begin());
-  };
-  std::vector<ComputedTile> computed;
-  std::size_t n = 0;
-  const Index3 extent = lattice.extent();
-  for (const auto& [number, tile] : tiles) {
-    auto& [maps, tally] = computed.emplace_back();
-    for (const Field field : job.output.fields) maps.emplace_back(tile.cells(), outside(field));
-    for_each_design(
-        lattice, tile, [&, &maps = maps, &tally = tally](const Index3& i, std::size_t cell) {
-          const Shot& shot = shots[n];
-          const double* const extras = values.data() + n * extra.size();
-          for (std::size_t f = 0; f < maps.size(); ++f) {
-            const Field field = job.output.fields[f];
-            const double value = is_basic(field) ? basic_value(shot, field) : extras[place(field)];
-            maps[f][cell] = is_flag(field) && std::isnan(value) ? 0 : value;
-          }
-          const bool competes =
-              job.output.contest == Contest::all || extras[place(Field::slack)] == 1;  // taut
-          tally.add(shot, (i[0] * extent[1] + i[1]) * extent[2] + i[2], competes);
-          ++n;
-        });
-  }
-  if (!computed.empty()) computed.front().tally.lane_steps = *lane_steps;
-  return computed;
 }
 
 /// Writes a round's tiles; collective.
@@ -227,29 +114,6 @@ Attributes attributes(const Job& job, const std::string& history) {
   return all;
 }
 
-/// The time that a design takes on one core, by a sample of the lattice; at most 50 ms are spent.
-double seconds_per_design(const Job& job, const Lattice& lattice,
-                          const std::function<bool()>& stop) {
-  const auto designs = sample(lattice, 128);
-  const std::vector<Field> extra = extra_fields(job.output);
-  constexpr std::size_t part = 16;  // fills the lanes
-  constexpr double enough = 0.05;
-  const std::size_t parts = (designs.size() + part - 1) / part;
-  const double start = MPI_Wtime();
-  double seconds = 0;
-  std::size_t done = 0;
-  for (std::size_t p = 0; p < parts && seconds < enough && !stop(); ++p) {
-    std::vector<Design<double>> some;  // spread over the whole sample
-    for (std::size_t i = p; i < designs.size(); i += parts) some.push_back(designs[i]);
-    std::vector<Shot> shots(some.size());
-    std::vector<double> values(some.size() * extra.size());
-    integrate(job.scene, job.solver, some, extra, shots, values);
-    done += some.size();
-    seconds = MPI_Wtime() - start;
-  }
-  return done > 0 ? seconds / static_cast<double>(done) : 0;
-}
-
 /// The extent of the tiles of a new archive.
 Index3 choose_edge(const Job& job, const Lattice& lattice, const SweepOptions& options) {
   Index3 edge = options.tile_edge
@@ -261,31 +125,42 @@ Index3 choose_edge(const Job& job, const Lattice& lattice, const SweepOptions& o
 
 /// Where a sweep stands before its first round.
 struct Start {
-  bool complete = false;   ///< the archive is there already
-  bool stopped = false;    ///< told to stop while the partial file was made
-  Index3 edge{};           ///< of the tiles
-  std::uint64_t done = 0;  ///< tiles that earlier runs have done
+  bool complete = false;        ///< the archive is there already
+  Index3 edge{};                ///< of the tiles
+  std::uint64_t done = 0;       ///< tiles that earlier runs have done
+  std::optional<RunMark> mark;  ///< of the partial file; none where there is none yet
 };
 
-/// Finds or makes the partial file, as rank 0 alone does; `tally` becomes that of what is done.
-Start find_or_make(const Job& job, const Lattice& lattice, const SweepOptions& options,
-                   const Place& place, const std::string& history, Tally& tally) {
-  Start start{.complete = place.complete};
-  const auto maps = map_infos(job.output);
-  if (place.begun) {
-    start.edge = place.begun->tile_edge;
-    start.done = place.begun->tiles_done;
-    tally = place.begun->tally;
-    continue_partial(job.output.file, Tiling(lattice, start.edge), maps, start.done, history);
-  } else if (!place.complete) {
-    start.edge = choose_edge(job, lattice, options);
-    // Where an archive is replaced, the command that continues is another one, without --overwrite:
-    // only once there is something to continue.
-    const auto stop = [&] { return !options.overwrite && options.stop(); };
-    start.stopped = !create_partial(job.output.file, lattice, Tiling(lattice, start.edge), maps,
-                                    job.output.compression, attributes(job, history), stop);
+/// Finds an archive or a partial file, as rank 0 alone does; `tally` becomes that of what is done.
+Start find(const Job& job, const Lattice& lattice, const SweepOptions& options, const Place& place,
+           const std::string& history, Tally& tally) {
+  Start start{.complete = place.complete, .edge = {}, .done = 0, .mark = {}};
+  if (!place.begun) {
+    if (!start.complete) start.edge = choose_edge(job, lattice, options);
+    return start;
   }
+  start.edge = place.begun->tile_edge;
+  start.done = place.begun->tiles_done;
+  tally = place.begun->tally;
+  start.mark = continue_partial(place.path, Tiling(lattice, start.edge), map_infos(job.output),
+                                start.done, history);
   return start;
+}
+
+/// Makes the partial file; collective. Returns the mark of this run, or nothing if told to stop.
+std::optional<RunMark> make(const std::filesystem::path& path, const Job& job,
+                            const Lattice& lattice, const Tiling& tiling,
+                            const SweepOptions& options, const std::string& history,
+                            MPI_Comm comm) {
+  const auto all = attributes(job, history);
+  const auto maps = map_infos(job.output);
+  Progress progress(0, tiling.size(), mpi::rank(comm) == 0 ? options.progress : ProgressStyle::none,
+                    "tiles created");
+  const auto watch = [&](double share) {
+    progress.update(static_cast<std::uint64_t>(share * static_cast<double>(tiling.size())));
+    return options.stop();
+  };
+  return create_partial(path, {lattice, tiling, maps, job.output.compression, all}, watch, comm);
 }
 
 }  // namespace
@@ -300,20 +175,24 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   Tally tally;
   Start start;
   check_kernels(comm);
-  mpi::on_root(comm, [&] {
+  const std::string history = history_line(options.command, ranks);
+  const std::filesystem::path path = mpi::text_of_root(comm, [&] {
     place = prepare_output(job, options.overwrite);
-    start = find_or_make(job, lattice, options, place, history_line(options.command, ranks), tally);
+    start = find(job, lattice, options, place, history, tally);
+    return place.path.string();
   });
   start = mpi::from_root(start, comm);
   if (start.complete) return std::nullopt;
-  if (start.stopped) {
+  const Tiling tiling(lattice, start.edge);
+  if (!start.mark) start.mark = make(path, job, lattice, tiling, options, history, comm);
+  if (!start.mark) {
     Summary summary;
     summary.complete = false;
+    summary.begun = false;
     return summary;
   }
 
-  const Tiling tiling(lattice, start.edge);
-  Archive archive(job.output.file, map_infos(job.output), comm);
+  Archive archive(path, map_infos(job.output), comm);
 
   std::uint64_t designs_done = tally.designs();  // right on rank 0, which tells it
   Progress progress(designs_done, lattice.designs(),
@@ -331,6 +210,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
     const bool all_computed = mpi::max(computed ? 0 : 1, comm) == 0;
     if (!all_computed) break;
 
+    if (rank == 0) check_mark(*start.mark, partial_path(path));
     write(assigned, rank, *computed, archive);
     for (std::size_t i = 0; i < computed->size(); ++i) {
       ComputedTile& tile = (*computed)[i];
@@ -352,7 +232,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   summary.complete = next == tiling.size();
   if (summary.complete) archive.write(attributes(summary));
   archive.close();
-  if (summary.complete) mpi::on_root(comm, [&] { finish(job.output.file); });
+  if (summary.complete) mpi::on_root(comm, [&] { finish(path, *start.mark, place.replaces); });
   return summary;
 }
 

@@ -9,12 +9,15 @@
 #include "catch.hpp"
 #include "trebsweep/contents.hpp"
 #include "trebsweep/mpi.hpp"
+#include "trebsweep/partial.hpp"
 
 using namespace trebsweep;
 
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+bool never(double) { return false; }
 
 Lattice small_lattice() {
   LatticeSpec spec;
@@ -33,17 +36,17 @@ double value_of(const Index3& i) {
 
 Archive make_archive(const std::filesystem::path& path, const Lattice& lattice,
                      const Tiling& tiling, const std::vector<MapInfo>& maps, int compression) {
-  mpi::on_root(MPI_COMM_WORLD, [&] {
-    const Attributes attributes{{"best_speed", nan}, {"job", std::string("some text")}};
-    create_partial(path, lattice, tiling, maps, compression, attributes, [] { return false; });
-  });
+  const Attributes attributes{{"best_speed", nan},
+                              {"source", std::string("trebsweep 0")},
+                              {"job", std::string("some text")}};
+  create_partial(path, {lattice, tiling, maps, compression, attributes}, never, MPI_COMM_WORLD);
   return Archive(path, maps, MPI_COMM_WORLD);
 }
 
 /// Gives the file its name, too.
 void close(Archive& archive, const std::filesystem::path& path) {
   archive.close();
-  mpi::on_root(MPI_COMM_WORLD, [&] { finish(path); });
+  mpi::on_root(MPI_COMM_WORLD, [&] { std::filesystem::rename(partial_path(path), path); });
 }
 
 /// Writes every tile, each rank its own, with values that tell their place.
@@ -108,18 +111,32 @@ TEST_CASE("Every value lands at its place, plain and compressed, in each number 
 TEST_CASE("What was not written is empty, and not marked done") {
   const Lattice lattice = small_lattice();
   const Tiling tiling(lattice, {4, 3, 5});
-  for (const int compression : {0, 1}) {
-    const TemporaryFile file("archive_empty");
-    Archive archive =
-        make_archive(file.path(), lattice, tiling, two_maps(MapType::float64), compression);
-    close(archive, file.path());
-    if (mpi::rank(MPI_COMM_WORLD) == 0) {
-      // Plain chunks are left as the disk gives them: nothing is written there twice.
-      for (const double x : read_map(file.path(), "number"))
-        REQUIRE((std::isnan(x) || (compression == 0 && x == 0)));
-      for (const double x : read_map(file.path(), "flag")) REQUIRE(x == 0);
-      CHECK(read_map(file.path(), "tile_done") == std::vector<double>(tiling.size(), 0));
+  for (const int compression : {0, 1})
+    for (const MapType type : {MapType::float64, MapType::float32}) {
+      const TemporaryFile file("archive_empty");
+      Archive archive = make_archive(file.path(), lattice, tiling, two_maps(type), compression);
+      close(archive, file.path());
+      if (mpi::rank(MPI_COMM_WORLD) == 0) {
+        for (const double x : read_map(file.path(), "number")) REQUIRE(std::isnan(x));
+        for (const double x : read_map(file.path(), "flag")) REQUIRE(x == 0);
+        CHECK(read_map(file.path(), "tile_done") == std::vector<double>(tiling.size(), 0));
+      }
     }
+}
+
+TEST_CASE("The size of an archive is known before it is created") {
+  const Lattice lattice = small_lattice();
+  const Tiling tiling(lattice, {4, 3, 5});
+  const auto maps = two_maps(MapType::float64);
+  const Skeleton plain{lattice, tiling, maps, 0, {}}, compressed{lattice, tiling, maps, 1, {}};
+  for (const Skeleton& skeleton : {plain, compressed}) {
+    const TemporaryFile file("archive_size");
+    create_partial(file.path(), skeleton, never, MPI_COMM_WORLD);
+    const auto size = static_cast<double>(std::filesystem::file_size(partial_path(file.path())));
+    constexpr double descriptions = 20000;  // of maps and axes, whatever the size of the lattice
+    const auto least = static_cast<double>(size_of(skeleton));
+    CHECK(least <= size);
+    CHECK(1.02 * least + descriptions >= size);
   }
 }
 
@@ -146,9 +163,10 @@ TEST_CASE("Chunks wholly outside the lattice are never allocated") {
 }
 
 TEST_CASE("An archive that cannot be created is an error that says why") {
+  const Lattice lattice = small_lattice();
   CHECK_THROWS_WITH(
-      create_partial("/nowhere/a.h5", small_lattice(), Tiling(small_lattice(), {4, 4, 4}), {}, 0,
-                     {}, [] { return false; }),
+      create_partial("/nowhere/a.h5", {lattice, Tiling(lattice, {4, 4, 4}), {}, 0, {}}, never,
+                     MPI_COMM_WORLD),
       contains("cannot create /nowhere/a.h5.partial") && contains("No such file"));
 }
 
@@ -193,15 +211,21 @@ TEST_CASE("What a machine that went down left in chunks that are not done does n
   }
 }
 
-TEST_CASE("Where it is told to stop, a partial file that is being made leaves nothing") {
-  const TemporaryFile file("archive_stopped");
-  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+TEST_CASE("Where any rank is told to stop, a partial file that is being made leaves nothing") {
   const Lattice lattice = small_lattice();
-  int asked = 0;
-  CHECK_FALSE(create_partial(file.path(), lattice, Tiling(lattice, {4, 3, 5}),
-                             two_maps(MapType::float64), 0, {}, [&] { return ++asked > 3; }));
-  for (const auto& entry : std::filesystem::directory_iterator(file.path().parent_path()))
-    CHECK(entry.path().string().find("archive_stopped") == std::string::npos);
+  const int last = mpi::size(MPI_COMM_WORLD) - 1;
+  for (const double share : {0.0, 0.05, 0.1}) {
+    const TemporaryFile file("archive_stopped");
+    const auto stop = [&](double done) {
+      return mpi::rank(MPI_COMM_WORLD) == (share < 0.1 ? 0 : last) && done >= share;
+    };
+    CHECK_FALSE(create_partial(
+        file.path(), {lattice, Tiling(lattice, {4, 3, 5}), two_maps(MapType::float64), 0, {}}, stop,
+        MPI_COMM_WORLD));
+    MPI_Barrier(MPI_COMM_WORLD);
+    for (const auto& entry : std::filesystem::directory_iterator(file.path().parent_path()))
+      CHECK(entry.path().string().find("archive_stopped") == std::string::npos);
+  }
 }
 
 TEST_CASE("A history grows by a line for each run") {
@@ -209,12 +233,50 @@ TEST_CASE("A history grows by a line for each run") {
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
   const Lattice lattice = small_lattice();
   const Tiling tiling(lattice, {4, 3, 5});
-  create_partial(file.path(), lattice, tiling, {}, 0, {{"history", std::string("began")}},
-                 [] { return false; });
+  create_partial(file.path(), {lattice, tiling, {}, 0, {{"history", std::string("began")}}}, never,
+                 MPI_COMM_SELF);
   continue_partial(file.path(), tiling, {}, 0, "went on");
-  continue_partial(file.path(), tiling, {}, 0, std::string(5000, 'x'));
-  finish(file.path());
+  const RunMark mark = continue_partial(file.path(), tiling, {}, 0, std::string(5000, 'x'));
+  finish(file.path(), mark, false);
   const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
   CHECK(hdf5::read_text_attribute(opened, "history") ==
         "began\nwent on\n" + std::string(5000, 'x'));
+}
+
+TEST_CASE("A run finishes no file that another one has taken over") {
+  const Lattice lattice = small_lattice();
+  const Tiling tiling(lattice, {4, 3, 5});
+  enum class Event { continued, copied, moved };
+  for (const Event event : {Event::continued, Event::copied, Event::moved}) {
+    const TemporaryFile file("archive_mark");
+    if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+    const auto partial = partial_path(file.path());
+    const std::filesystem::path other = partial.string() + ".other";
+    const auto mark =
+        create_partial(file.path(), {lattice, tiling, {}, 0, {}}, never, MPI_COMM_SELF);
+    REQUIRE(mark);
+    check_mark(*mark, partial);
+    if (event == Event::continued) continue_partial(file.path(), tiling, {}, 0, "second run");
+    if (event == Event::copied) std::filesystem::copy(partial, other);
+    if (event == Event::copied) std::filesystem::rename(other, partial);
+    if (event == Event::moved) std::filesystem::rename(partial, other);
+    CHECK_THROWS_WITH(check_mark(*mark, partial), contains("another run"));
+    CHECK_THROWS_WITH(finish(file.path(), *mark, true), contains("another run"));
+    CHECK_FALSE(std::filesystem::exists(file.path()));
+    std::filesystem::remove(other);
+  }
+}
+
+TEST_CASE("A file that has come under the final name is not replaced by surprise") {
+  const TemporaryFile file("archive_surprise");
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const Lattice lattice = small_lattice();
+  const auto mark = create_partial(file.path(), {lattice, Tiling(lattice, {4, 3, 5}), {}, 0, {}},
+                                   never, MPI_COMM_SELF);
+  REQUIRE(mark);
+  std::ofstream(file.path()) << "precious";
+  CHECK_THROWS_WITH(finish(file.path(), *mark, false), contains("cannot rename"));
+  CHECK(std::filesystem::file_size(file.path()) == 8);
+  finish(file.path(), *mark, true);
+  CHECK(std::filesystem::file_size(file.path()) > 8);
 }

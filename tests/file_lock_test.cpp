@@ -1,9 +1,12 @@
 #include "trebsweep/file_lock.hpp"
 
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 
 #include "catch.hpp"
@@ -40,13 +43,18 @@ std::string other_process() {
   return message;
 }
 
+std::string content(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 }  // namespace
 
 TEST_CASE("A lock keeps another process out, and names its holder") {
   {
     const FileLock lock(path);
     CHECK_THAT(other_process(), contains(path) && contains(std::to_string(getpid())));
-    CHECK(std::filesystem::exists(path));
+    CHECK(content(path).starts_with("trebsweep lock: process "));
   }
   CHECK_FALSE(std::filesystem::exists(path));
   CHECK(other_process().empty());
@@ -66,4 +74,38 @@ TEST_CASE("A lock dies with its process, however that ends") {
 
 TEST_CASE("Where no file can be, there is no lock") {
   CHECK_THROWS_AS(FileLock("/nowhere/a.lock"), std::system_error);
+}
+
+TEST_CASE("A file that is no lock is left as it is") {
+  std::ofstream(path) << "precious";
+  CHECK_THROWS_AS(FileLock(path), InputError);
+  CHECK_FALSE(lock_holder(path));
+  CHECK(content(path) == "precious");
+  std::filesystem::remove(path);
+}
+
+TEST_CASE("An empty file serves as a lock, and stays") {
+  std::ofstream{path};
+  {
+    const FileLock lock(path);
+    CHECK_THAT(other_process(), contains("another process"));
+  }
+  CHECK(std::filesystem::exists(path));
+  CHECK(content(path).empty());
+  std::filesystem::remove(path);
+}
+
+TEST_CASE("A link is not followed, and a FIFO does not block") {
+  const std::filesystem::path target = path.string() + ".target";
+  std::ofstream(target) << "precious";
+  std::filesystem::create_symlink(target, path);
+  CHECK_THROWS(FileLock(path));
+  CHECK_FALSE(lock_holder(path));
+  CHECK(content(target) == "precious");
+  std::filesystem::remove(path);
+  std::filesystem::remove(target);
+  REQUIRE(mkfifo(path.c_str(), 0600) == 0);
+  CHECK_THROWS_AS(FileLock(path), InputError);
+  CHECK_FALSE(lock_holder(path));
+  std::filesystem::remove(path);
 }

@@ -1,5 +1,6 @@
 #include "trebsweep/output.hpp"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -41,14 +42,52 @@ TEST_CASE("A free place is locked, and otherwise left alone") {
   CHECK(fs::is_empty(folder.path));
 }
 
-TEST_CASE("What is no unfinished sweep is kept unless it may be overwritten") {
+TEST_CASE("What is no unfinished sweep is never replaced") {
+  for (const std::string suffix : {".partial", ".partial.new", ".lock"}) {
+    const Folder folder;
+    const Job job = job_in(folder.path / "a.h5");
+    const fs::path other = job.output.file + suffix;
+    const auto refused = [&](const std::string& word) {
+      for (const bool overwrite : {false, true}) {
+        CHECK_THROWS_AS(prepare_output(job, overwrite), InputError);
+        CHECK_THROWS_WITH(prepare_output(job, overwrite), contains(other) && contains(word));
+      }
+    };
+    std::ofstream(other) << "precious";
+    refused("is there and is no ");
+    CHECK(fs::file_size(other) == 8);
+    fs::rename(other, folder.path / "precious.txt");
+    fs::create_symlink("precious.txt", other);
+    refused("is a symbolic link");
+    fs::remove(other);
+    fs::create_directory(other);
+    refused("is a folder");
+    fs::remove(other);
+    REQUIRE(mkfifo(other.c_str(), 0600) == 0);
+    refused("is a FIFO");
+  }
+}
+
+TEST_CASE("What a killed run left of a file that it was creating may be replaced") {
   const Folder folder;
   const Job job = job_in(folder.path / "a.h5");
-  std::ofstream(folder.path / "a.h5.partial") << "half";
-  CHECK_THROWS_WITH(prepare_output(job, false),
-                    contains("a.h5.partial") && contains("--overwrite"));
-  CHECK(fs::file_size(folder.path / "a.h5.partial") == 4);
-  CHECK_FALSE(prepare_output(job, true).begun);
+  for (const std::string start : {"", "\x89HDF\r\n\x1a\nand more"}) {
+    std::ofstream(folder.path / "a.h5.partial.new") << start;
+    CHECK(prepare_output(job, false).lock);
+  }
+}
+
+TEST_CASE("A link is followed, dangling or not") {
+  const Folder folder;
+  fs::create_directory(folder.path / "far");
+  fs::create_symlink("far/b.h5", folder.path / "a.h5");
+  {
+    const Place place = prepare_output(job_in(folder.path / "a.h5"), false);
+    CHECK(fs::weakly_canonical(place.path) == fs::weakly_canonical(folder.path / "far" / "b.h5"));
+    CHECK(fs::exists(folder.path / "far" / "b.h5.lock"));
+  }
+  fs::create_symlink("loop.h5", folder.path / "loop.h5");
+  CHECK_THROWS_AS(prepare_output(job_in(folder.path / "loop.h5"), false), InputError);
 }
 
 TEST_CASE("What is no archive is never replaced") {
@@ -67,4 +106,16 @@ TEST_CASE("Places that cannot hold a file are refused by name") {
   CHECK_THROWS_WITH(prepare_output(job_in(folder.path), false), contains("is a folder"));
   CHECK_THROWS_WITH(prepare_output(job_in(folder.path / std::string(300, 'x')), false),
                     contains("cannot write in") && contains("too long"));
+  // Names that are short enough, while those of the files next to them are not.
+  for (const std::size_t length : {244, 248, 251, 255})
+    CHECK_THROWS_AS(prepare_output(job_in(folder.path / std::string(length, 'x')), false),
+                    InputError);
+  CHECK(prepare_output(job_in(folder.path / std::string(243, 'x')), false).lock);
+  CHECK(fs::is_empty(folder.path));
+}
+
+TEST_CASE("A FIFO is refused instead of waited for") {
+  const Folder folder;
+  REQUIRE(mkfifo((folder.path / "a.h5").c_str(), 0600) == 0);
+  CHECK_THROWS_WITH(prepare_output(job_in(folder.path / "a.h5"), true), contains("is a FIFO"));
 }

@@ -12,7 +12,7 @@
 
 namespace trebsweep {
 
-/// What an archive, complete or partial, holds, but for the values of its maps.
+/// What the archive of a sweep, complete or partial, holds, except for the values of its maps.
 struct Contents {
   std::string job;     ///< the text of its job file
   std::string scene;   ///< its scene_text()
@@ -23,6 +23,8 @@ struct Contents {
   Index3 tile_edge;
   std::uint64_t tiles = 0, tiles_done = 0;  ///< those from the first on are done
   Tally tally;                              ///< of what is done
+
+  bool complete() const { return tiles_done == tiles; }
 };
 
 /// Reads an archive; for one process, without MPI. Throws std::runtime_error where the file is
@@ -30,14 +32,26 @@ struct Contents {
 /// told, as where reading takes more than a minute.
 Contents read_contents(const std::filesystem::path& path);
 
-/// What made an archive.
+/// What an archive of any kind says of itself.
 struct Archived {
-  std::string job;  ///< the text of its job file
-  bool is_sweep;    ///< else it is an assessment
+  std::string job;                          ///< the text of its job file
+  bool is_sweep;                            ///< else it is an assessment
+  std::uint64_t tiles = 0, tiles_done = 0;  ///< of a sweep
+
+  bool complete() const { return tiles_done == tiles; }
 };
 
-/// What made an archive, or nothing if the file is none; for one process. Throws std::system_error
-/// as read_contents() does.
+/// What a file says of itself, or nothing if it is no archive; for one process. Throws
+/// std::system_error as read_contents() does.
 std::optional<Archived> archived_job(const std::filesystem::path& path);
+
+/// An archive that `trebsweep assess` made.
+struct AssessmentContents {
+  std::string job, source, history;
+  std::vector<std::string> tables;  ///< names of its groups
+};
+
+/// Reads an assessment. Throws as read_contents() does.
+AssessmentContents read_assessment(const std::filesystem::path& path);
 
 }  // namespace trebsweep

@@ -7,12 +7,14 @@
 namespace trebsweep {
 
 /// Keeps others who ask for the same lock file out, on all hosts that share its file system. The
-/// lock dies with its process; its file goes at the end of the scope, and stays if there is none.
+/// lock dies with its process; its file, which names the holder, goes at the end of the scope, and
+/// stays if there is none. An empty file serves as a lock too, and stays empty: it may be
+/// somebody's own, or of a run that was killed before it wrote its name.
 class FileLock {
  public:
-  /// Throws InputError, naming the holder, where somebody else has the lock, and
-  /// std::system_error where the file cannot be written. On a file system without locks everybody
-  /// gets it.
+  /// Throws InputError, naming the holder, where another process has the lock, and where there is a
+  /// file that is no lock, which it leaves alone; std::system_error where the file cannot be
+  /// written. Where locks do not work it says so on stderr, and everybody gets it.
   explicit FileLock(const std::filesystem::path& path);
   ~FileLock();
   FileLock(const FileLock&) = delete;
@@ -20,7 +22,8 @@ class FileLock {
 
  private:
   std::filesystem::path path_;
-  int file_;
+  int file_ = -1;
+  bool own_ = false;  ///< the file has our text, and goes with us
 };
 
 /// Who has the lock, if another process has; its own is not told.

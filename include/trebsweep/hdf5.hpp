@@ -1,7 +1,9 @@
 #pragma once
 
 #include <hdf5.h>
+#include <mpi.h>
 
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,6 +56,11 @@ using Datatype = Handle<&H5Tclose>;
 using Attribute = Handle<&H5Aclose>;
 using Properties = Handle<&H5Pclose>;
 
+/// Opens a file to be written by all ranks of a communicator; collective.
+File open_parallel(const std::filesystem::path& path, MPI_Comm comm);
+
+Dataset open_dataset(hid_t file, const std::string& name);
+
 /// Texts of any length in UTF-8: what h5py and netCDF read as str.
 Datatype text_type();
 
@@ -68,6 +75,9 @@ void write_attribute(hid_t object, const std::string& name, unsigned long long v
 
 std::string read_text_attribute(hid_t object, const std::string& name);
 double read_number_attribute(hid_t object, const std::string& name);
+
+/// The names of a group's members, in alphabetical order.
+std::vector<std::string> link_names(hid_t group);
 
 /// The extents of a dataset.
 std::vector<hsize_t> extents(hid_t dataset);

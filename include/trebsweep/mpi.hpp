@@ -28,8 +28,8 @@ class Environment {
 int rank(MPI_Comm comm);
 int size(MPI_Comm comm);
 
-/// Rank 0's text, on every rank.
-std::string broadcast(std::string text, MPI_Comm comm);
+/// The text of one rank, on every rank.
+std::string broadcast(std::string text, MPI_Comm comm, int root = 0);
 
 /// Rank 0's value, on every rank.
 template <class Value>
@@ -66,7 +66,7 @@ auto share(std::size_t n, MPI_Comm comm, F f) {
   return results;
 }
 
-/// A failure on rank 0 that all ranks know of, and can end together with.
+/// A failure of one rank that all ranks know of, and can end together with.
 struct RootError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -77,5 +77,9 @@ std::string text_of_root(MPI_Comm comm, const std::function<std::string()>& f);
 
 /// The same for what returns nothing.
 void on_root(MPI_Comm comm, const std::function<void()>& f);
+
+/// Runs f on every rank. Where it throws on some, every rank throws a RootError with the message of
+/// the first of them.
+void on_all(MPI_Comm comm, const std::function<void()>& f);
 
 }  // namespace trebsweep::mpi

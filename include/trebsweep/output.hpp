@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -9,21 +10,24 @@
 
 namespace trebsweep {
 
-/// What a sweep finds at the place of its archive.
+/// Where an archive goes, and what a sweep finds there.
 struct Place {
+  std::filesystem::path path;      ///< of the archive: output.file, links followed
   bool complete = false;           ///< the archive of this very job is there
+  bool replaces = false;           ///< an archive is there that will be replaced
   std::optional<Contents> begun;   ///< an unfinished sweep of this very job, to be continued
   std::unique_ptr<FileLock> lock;  ///< to be kept until the archive is finished; none if complete
 };
 
 /// Looks at the place of the job's archive and locks it. Changes nothing else. For one rank alone.
-/// `overwrite` allows to replace an archive, or an unfinished one, but no other file. Throws
+/// `overwrite` allows to replace an archive, or an unfinished one, and no other file. Throws
 /// InputError where the place cannot be written, is being written by another process, or holds
-/// something else, and std::runtime_error where an unfinished sweep cannot be continued.
+/// something else, under its name or those of the files next to it (.lock, .partial, .partial.new);
+/// and std::runtime_error where an unfinished sweep cannot be continued.
 Place prepare_output(const Job& job, bool overwrite);
 
-/// Locks the place of what is no sweep, as long as the lock is kept. For one rank alone. Throws
-/// InputError where prepare_output() does, and where an unfinished sweep is to go there.
-std::unique_ptr<FileLock> reserve_output(const Job& job, bool overwrite);
+/// Locks the place of an assessment. For one rank alone. Throws InputError where prepare_output()
+/// does, and where there is an unfinished sweep.
+Place reserve_output(const Job& job, bool overwrite);
 
 }  // namespace trebsweep

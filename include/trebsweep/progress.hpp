@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string>
 
 namespace trebsweep {
 
@@ -16,8 +17,9 @@ enum class ProgressStyle {
 /// Progress on stderr, with the time that is left at the pace so far.
 class Progress {
  public:
-  /// `before`: of the total, done before it begins.
-  Progress(std::uint64_t before, std::uint64_t total, ProgressStyle style);
+  /// `before`: of the total, done before it begins; `unit`: what is counted.
+  Progress(std::uint64_t before, std::uint64_t total, ProgressStyle style,
+           std::string unit = "designs");
 
   /// Tells that `done` of the total are done; rate-limited, but the end of a bar is always drawn.
   void update(std::uint64_t done);
@@ -27,6 +29,7 @@ class Progress {
 
   std::uint64_t before_, total_;
   ProgressStyle style_;
+  std::string unit_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point told_ = start_;
 };

@@ -33,6 +33,7 @@ struct Summary {
   double integration_seconds = 0;                             ///< of every round the slowest rank's
   double sweep_seconds = 0;                                   ///< integration and writing
   bool complete = true;  ///< no, where the sweep was told to stop
+  bool begun = true;     ///< no, where that was before there was a partial file
 
   std::uint64_t designs() const;
 

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "trebsweep/run_mark.hpp"
+#include "trebsweep/skeleton.hpp"
+
+namespace trebsweep {
+
+/// What an archive's history says of a run that begins now.
+std::string history_line(const std::string& command, std::uint64_t ranks);
+
+/// The name of an archive that is not complete.
+std::filesystem::path partial_path(const std::filesystem::path& path);
+
+/// The name of a file that is being created, and will be the partial one or the archive.
+std::filesystem::path new_path(const std::filesystem::path& path);
+
+/// Creates the partial file, in which every cell has its map's fill value; no other file has its
+/// name at any time. A file under the partial file's name is replaced. Collective; the skeleton's
+/// attributes are rank 0's. Returns, the same on all ranks, the mark of this run, or nothing where
+/// a rank was stopped. Throws mpi::RootError, as where there is no space for it. Leaves nothing
+/// where it returns none or throws.
+std::optional<RunMark> create_partial(const std::filesystem::path& path, const Skeleton& skeleton,
+                                      const Watch& watch, MPI_Comm comm);
+
+/// Makes a partial file ready for another run, of which its history gets a line: the tiles from
+/// number `done` on are to be computed. For one rank alone. Throws std::runtime_error.
+RunMark continue_partial(const std::filesystem::path& path, const Tiling& tiling,
+                         const std::vector<MapInfo>& maps, std::uint64_t done,
+                         const std::string& history_line);
+
+/// Gives the complete partial file, which must still have the run's mark, its own name; an archive
+/// that has the name is replaced if `replace`. For one rank alone. Throws std::runtime_error.
+void finish(const std::filesystem::path& path, const RunMark& mark, bool replace);
+
+/// Runs f, which writes in the partial file; a failure says what it means.
+void write_in(const std::filesystem::path& partial, const std::function<void()>& f);
+
+}  // namespace trebsweep

@@ -1,0 +1,26 @@
+#include "trebsweep/archive_format.hpp"
+
+#include <stdexcept>
+
+#include "trebsweep/hdf5.hpp"
+
+namespace trebsweep {
+
+void write_attributes(hid_t file, const Attributes& attributes) {
+  for (const auto& [name, value] : attributes)
+    std::visit([&, &key = name](const auto& v) { hdf5::write_attribute(file, key, v); }, value);
+}
+
+hid_t file_type(MapType type) {
+  switch (type) {
+    case MapType::float64:
+      return H5T_IEEE_F64LE;
+    case MapType::float32:
+      return H5T_IEEE_F32LE;
+    case MapType::uint8:
+      return H5T_STD_U8LE;
+  }
+  throw std::logic_error("unknown map type");
+}
+
+}  // namespace trebsweep
