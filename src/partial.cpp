@@ -91,7 +91,7 @@ std::optional<RunMark> create_partial(const fs::path& path, const Skeleton& skel
   const fs::path unnamed = new_path(path);
   const bool plain = skeleton.compression == 0;
   // Allocating is quick next to filling.
-  const double skeleton_share = plain ? 0.1 : 1;
+  const double skeleton_share = plain ? 0.2 : 1;
   std::optional<RunMark> mark;
   const auto remove = [&] {
     std::error_code ignored;

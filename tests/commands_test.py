@@ -385,7 +385,7 @@ class Sweep(CommandTest):
         with h5py.File(self.path("job.h5")) as file:
             attributes = dict(file.attrs)
         self.assertEqual(attributes["Conventions"], "CF-1.10")
-        self.assertEqual(attributes["format_version"], 2)
+        self.assertEqual(attributes["format_version"], 3)
         self.assertRegex(attributes["source"], r"^trebsweep \d")
         self.assertIn("--scene.gravity 9.81", attributes["history"])
         self.assertIn("gravity = 9.81\n", attributes["job"])
@@ -428,6 +428,12 @@ class LongPaths(CommandTest):
             self.run_program("sweep", self.job, *COARSE, "--overwrite", "--output.file", os.path.join(folder, "long.h5"), ranks=ranks)
         self.assertEqual(os.listdir(folder), ["long.h5"])
 
+    def test_the_creation_of_a_large_file_shows_progress(self):
+        done = self.run_program(
+            "sweep", self.job, "--lattice.r1", "0.6", "--lattice.r3", "0.4:1.19:0.01", "--lattice.r2",
+            "0.3:1.29999:1e-7", "--progress", "bar", "--time-limit", "6", "--output.fields", "speed", code=75)
+        self.assertRegex(done.stderr, r"\d+ of 781245 tiles created")
+
 
 class ExistingFiles(CommandTest):
     def test_the_same_job_is_done_already(self):
@@ -456,14 +462,81 @@ class ExistingFiles(CommandTest):
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "foreign.h5"],
                             "output.file = foreign.h5", "no archive")
 
-    def test_what_is_no_unfinished_sweep_is_kept_unless_overwritten(self):
-        self.write("job.h5.partial", "half of it\n")
-        done = self.run_program("sweep", self.job, *COARSE, code=1)
-        self.assertRegex(done.stderr, r"^trebsweep: job\.h5\.partial: .* --overwrite\n")  # and the banner of MPI_Abort
-        with open(self.path("job.h5.partial"), encoding="utf-8") as file:
-            self.assertEqual(file.read(), "half of it\n")
-        self.run_program("sweep", self.job, *COARSE, "--overwrite")
-        self.assertEqual(sorted(os.listdir(self.folder)), ["job.cfg", "job.h5"])
+    def test_what_is_no_unfinished_sweep_is_kept(self):
+        with h5py.File(self.path("foreign.h5"), "w") as file:
+            file.attrs["job"] = "somebody's"
+        with open(self.path("foreign.h5"), "rb") as file:
+            foreign = file.read()
+        with open(self.job, "rb") as file:
+            job = file.read()
+        for suffix, contents in ((".partial", (b"half of it\n", foreign, job)),
+                                 (".partial.new", (b"notes\n", job)), (".lock", (b"notes\n", foreign))):
+            for content in contents:
+                with open(self.path("job.h5" + suffix), "wb") as file:
+                    file.write(content)
+                for overwrite in ([], ["--overwrite"]):
+                    self.assert_refused(["sweep", self.job, *COARSE, *overwrite],
+                                        "output.file = job.h5", f"job.h5{suffix} is there and is no ")
+            os.remove(self.path("job.h5" + suffix))
+        os.rename(self.job, self.path("x.h5.partial"))
+        self.assert_refused(["sweep", "x.h5.partial", "--output.file", "x.h5", "--overwrite"], "x.h5.partial")
+
+    def test_a_folder_or_a_link_in_the_way_is_kept(self):
+        for suffix in (".partial", ".partial.new", ".lock"):
+            os.mkdir(self.path("job.h5" + suffix))
+            self.assert_refused(["sweep", self.job, *COARSE, "--overwrite"], f"job.h5{suffix} is a folder")
+            os.rmdir(self.path("job.h5" + suffix))
+            os.symlink("job.cfg", self.path("job.h5" + suffix))
+            self.assert_refused(["sweep", self.job, *COARSE, "--overwrite"], f"job.h5{suffix} is a symbolic link")
+            os.remove(self.path("job.h5" + suffix))
+
+    def test_names_that_are_too_long_with_a_suffix(self):
+        for length in (244, 248, 251, 255):
+            self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "x" * length], "too long")
+
+    def test_an_output_that_is_a_link_is_followed(self):
+        os.mkdir(self.path("far"))
+        os.symlink("far/away.h5", self.path("job.h5"))
+        self.run_program("sweep", self.job, *COARSE, "--time-limit", "0.001", code=75)
+        self.assertEqual(os.listdir(self.path("far")), [])
+        for options in ([], ["--overwrite"]):
+            self.run_program("sweep", self.job, *COARSE, *options)
+            self.assertEqual(os.readlink(self.path("job.h5")), "far/away.h5")
+            self.assertEqual(os.listdir(self.path("far")), ["away.h5"])
+        self.assertIn("job.h5, complete", self.run_program("info", "job.h5").stdout)
+        os.rename(self.path("far/away.h5"), self.path("far/away.h5.partial"))
+        self.assertIn("far/away.h5.partial, complete", self.run_program("info", "job.h5").stdout)
+        os.symlink("loop.h5", self.path("loop.h5"))
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "loop.h5"], "loop.h5", "Too many levels")
+
+    def test_what_is_no_regular_file_does_not_block(self):
+        os.mkfifo(self.path("fifo"))
+        os.mkfifo(self.path("job.h5.partial"))
+        self.assert_refused(["sweep", self.job, *COARSE], "job.h5.partial is a FIFO")
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "fifo"], "output.file = fifo: is a FIFO")
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "/dev/null"], "is a device")
+        self.assert_refused(["info", "fifo"], "fifo is a FIFO")
+        self.assert_refused(["info", "."], ". is a folder")
+        self.assert_refused(["info", "/dev/zero"], "/dev/zero is a device")
+        self.assert_refused(["info", "x" * 300], "no such file")
+        self.write("empty.h5", "")
+        for name in ("empty.h5", "job.cfg"):
+            self.assertEqual(self.run_program("info", name, code=1).stderr.count("\n"), 1)
+
+    def test_where_locks_do_not_work_it_is_said_once(self):
+        library = self.path("no_locks.so")
+        source = self.write("no_locks.c", """
+            #include <errno.h>
+            #include <fcntl.h>
+            static int refuse(int command) { errno = command == F_SETLK ? ENOLCK : EINVAL; return -1; }
+            int fcntl(int file, int command, ...) { return command == F_SETFL ? 0 : refuse(command); }
+            int fcntl64(int file, int command, ...) { return command == F_SETFL ? 0 : refuse(command); }
+            """)
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source], check=True)
+        done = self.run_program("sweep", self.job, *COARSE, "--progress", "none", environment={"LD_PRELOAD": library})
+        self.assertEqual(done.stderr.count("job.h5.lock: locks do not work here (No locks available)"), 1, done.stderr)
+        self.assertTrue(os.path.exists(self.path("job.h5")))
+        self.assertFalse(os.path.exists(self.path("job.h5.lock")))
 
 
 class Trace(CommandTest):
@@ -546,6 +619,14 @@ class Assess(CommandTest):
     def test_an_unfinished_sweep_is_not_buried_under_an_assessment(self):
         self.write("job.h5.partial", "")
         self.assert_refused(["assess", self.job, *self.SMALL, "--overwrite"], "unfinished sweep")
+
+    def test_info_says_what_an_assessment_is(self):
+        os.symlink("far.h5", self.path("job.h5"))
+        self.run_program("assess", self.job, *self.SMALL)
+        self.assertEqual(os.readlink(self.path("job.h5")), "far.h5")
+        text = self.run_program("info", "job.h5").stdout
+        for words in ("job.h5, an assessment", "accuracy", "reference", "source    trebsweep", "[assess]", "assess "):
+            self.assertIn(words, text)
 
     def test_files_that_are_missing(self):
         self.assert_refused(["assess", self.job, "--assess.scenes", "nowhere.cfg"], "nowhere.cfg")

@@ -155,7 +155,8 @@ class ResumeTest(unittest.TestCase):
         return runs
 
     def assert_sound(self, options=()):
-        """What a partial file marks done is there; returns how many tiles that are."""
+        """What a partial file marks done is there, and what is not there reads as nothing; returns how many tiles
+        are marked."""
         self.assertFalse(os.path.exists(self.path("job.h5")))
         if not os.path.exists(self.path("job.h5.partial")):
             return 0
@@ -167,6 +168,9 @@ class ResumeTest(unittest.TestCase):
                 for name in ("speed", "release_time", "status"):
                     self.assertEqual(partial[name][tuple(place)].tobytes(),
                                      straight[name][tuple(place)].tobytes())
+            for name, nothing in (("speed", np.isnan), ("release_time", np.isnan), ("status", np.logical_not)):
+                values = partial[name][...]
+                self.assertTrue((nothing(values) | (values == straight[name][...])).all(), name)
             return int(done.sum())
 
     def assert_told_once(self, errors, *words):
@@ -288,6 +292,26 @@ class Stops(ResumeTest):
         self.assertLess(time.time() - start, 20)
 
 
+    # 780,000 tiles, whose file takes a minute to create.
+    LARGE = ("--lattice.r1", "0.6", "--lattice.r3", "0.4:1.19:0.01", "--lattice.r2", "0.3:1.29999:1e-7",
+             "--output.fields", "speed")
+
+    def test_a_large_file_that_is_being_created_is_left_at_once(self):
+        for options in (self.LARGE, (*self.LARGE, *COMPRESSED), (*self.LARGE, "--overwrite")):
+            launcher = self.launch(2, *options)
+            while not os.path.exists(self.path("job.h5.partial.new")):
+                time.sleep(0.02)
+            time.sleep(1)
+            start = time.time()
+            launcher.send_signal(signal.SIGUSR1)
+            errors = self.finish(launcher, codes=(75,))
+            self.assertLess(time.time() - start, 5)
+            self.assert_told_once(errors, "stopped with 0 designs done; the same command continues")
+            self.assertNotIn("without --overwrite", errors)
+            errors = self.run_sweep(2, *options, "--time-limit", "1", codes=(75,))
+            self.assertEqual([name for name in os.listdir(self.folder) if name.startswith("job.h5")], [])
+
+
 class Partials(ResumeTest):
     def partial(self):
         with open(self.path("job.h5.partial"), "rb") as file:
@@ -316,7 +340,6 @@ class Partials(ResumeTest):
             fuses = not partial.attrs["kernel"].startswith("baseline")
         other_kernel = "baseline (2 lanes)" if fuses else "AVX-512 (8 lanes)"
         for name, value, told in (("source", "trebsweep 0.0.9 (abc)", "0.0.9 (abc)"),
-                                  ("source", "trebsweep \x1b[2J", "source is no text"),
                                   ("kernel", other_kernel, other_kernel),
                                   ("format_version", np.uint64(9), "9")):
             with self.subTest(name=name), h5py.File(self.path("job.h5.partial"), "r+") as file:
@@ -326,17 +349,59 @@ class Partials(ResumeTest):
             with h5py.File(self.path("job.h5.partial"), "r+") as file:
                 file.attrs[name] = kept
 
-    def test_a_damaged_one_is_refused(self):
+    def test_a_damaged_one_is_refused_and_kept(self):
         self.stop_on_the_way()
         whole = self.partial()
         for damaged in (b"", whole[:7], whole[:5000], whole[:len(whole) // 2], whole[:-1],
                         b"x" * len(whole), whole[:96] + bytes(3000) + whole[3096:]):
             with open(self.path("job.h5.partial"), "wb") as file:
                 file.write(damaged)
-            self.assert_refused(1, "cannot be continued")
+            for options in ((), ("--overwrite",)):
+                errors = self.run_sweep(2, *options, codes=(2,))
+                self.assert_told_once(errors, "job.h5.partial is there and is no unfinished sweep")
+                self.assertEqual(self.partial(), damaged)
         with open(self.path("job.h5.partial"), "wb") as file:
             file.write(whole)
         self.run_sweep(3)
+        self.assert_complete()
+
+    def test_an_unfinished_archive_by_a_final_name_is_not_taken_for_complete(self):
+        self.stop_on_the_way()
+        os.rename(self.path("job.h5.partial"), self.path("job.h5"))
+        with open(self.path("job.h5"), "rb") as file:
+            before = file.read()
+        errors = self.run_sweep(2, codes=(2,))
+        self.assert_told_once(errors, "output.file = job.h5", "unfinished", "rename it to job.h5.partial", "--overwrite")
+        with open(self.path("job.h5"), "rb") as file:
+            self.assertEqual(file.read(), before)
+        self.assertRegex(self.info("job.h5"), r"job\.h5, unfinished, \d+\.\d % of the tiles done; .* job\.h5\.partial")
+        os.rename(self.path("job.h5"), self.path("job.h5.partial"))
+        self.run_sweep(2)
+        self.assert_complete()
+
+    def test_a_complete_archive_by_a_partial_name_is_finished(self):
+        self.run_sweep(2)
+        os.rename(self.path("job.h5"), self.path("job.h5.partial"))
+        self.assertIn("job.h5.partial, complete", self.info("job.h5"))
+        self.run_sweep(1)
+        self.assert_complete()
+
+    def test_unwritten_cells_of_float32_read_nan(self):
+        self.stop_on_the_way("--output.storage", "float32")
+        with h5py.File(self.path("job.h5.partial")) as partial:
+            speed, status = partial["speed"][...], partial["status"][...]
+        self.assertTrue((status == 0).any() and (status != 0).any())
+        self.assertTrue(np.isnan(speed[status == 0]).all())
+
+    def test_a_sweep_whose_partial_file_is_replaced_ends_with_an_error(self):
+        launcher = self.launch(2)
+        while not os.path.exists(self.path("job.h5.partial")):
+            time.sleep(0.005)
+        shutil.copy(self.path("job.h5.partial"), self.path("job.h5.copy"))
+        os.replace(self.path("job.h5.copy"), self.path("job.h5.partial"))
+        self.assert_told_once(self.finish(launcher, codes=(1,)), "another run has taken over job.h5.partial")
+        self.assertFalse(os.path.exists(self.path("job.h5")))
+        self.run_sweep(2)
         self.assert_complete()
 
     def test_tallies_that_cannot_be_are_refused(self):
@@ -395,27 +460,28 @@ class Partials(ResumeTest):
         first.send_signal(signal.SIGUSR1)
         self.finish(first, codes=(75,))
 
+    def info(self, name, code=0):
+        done = subprocess.run([PROGRAM, "info", name], cwd=self.folder, text=True, timeout=60,
+                              capture_output=True, check=False)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stdout or done.stderr
+
     def test_info_tells_of_it(self):
-        def info(name, code=0):
-            done = subprocess.run([PROGRAM, "info", name], cwd=self.folder, text=True, timeout=60,
-                                  capture_output=True, check=False)
-            self.assertEqual(done.returncode, code, done.stderr)
-            return done.stdout or done.stderr
         self.stop_on_the_way()
         done = self.assert_sound()
         for name in ("job.h5.partial", "job.h5"):
-            self.assertIn("job.h5.partial, interrupted", info(name))
-            self.assertRegex(info(name), rf"tiles +{done} of \d+ done")
+            self.assertRegex(self.info(name), r"job\.h5\.partial, unfinished, \d+\.\d % of the tiles done; interrupted")
+            self.assertRegex(self.info(name), rf"tiles +{done} of \d+ done")
         self.run_sweep(2)
-        text = info("job.h5")
+        text = self.info("job.h5")
         with h5py.File(self.path("job.h5")) as archive:
             attributes = dict(archive.attrs)
         for words in ("job.h5, complete", f"designs   {attributes['designs']}\n",
                       f"{attributes['best_speed']:.8f} m/s", attributes["source"],
                       attributes["history"].split("\n")[1], attributes["job"]):
             self.assertIn(words, text)
-        self.assertIn("job.cfg: cannot open it", info("job.cfg", 1))
-        self.assertIn("nowhere.h5: no such file", info("nowhere.h5", 2))
+        self.assertIn("job.cfg: cannot open it", self.info("job.cfg", 1))
+        self.assertIn("nowhere.h5: no such file", self.info("nowhere.h5", 2))
 
 
 class Faults(ResumeTest):
@@ -435,6 +501,12 @@ class Faults(ResumeTest):
         self.run_sweep(3, *COMPRESSED)
         self.assert_complete(COMPRESSED)
 
+    def test_a_limit_below_the_size_that_is_known(self):
+        limited = [MPIEXEC, "-n", "2", "bash", "-c", 'ulimit -f 14000; exec "$@"', "limited"]
+        errors = self.run_sweep(0, codes=(1,), launcher=limited)
+        self.assert_told_once(errors, "needs 14.71 MB", "ulimit -f", "14.34 MB", "output.storage = float32")
+        self.assertEqual([name for name in os.listdir(self.folder) if name.startswith("job.h5")], [])
+
     def test_a_full_disk(self):
         place = self.path("small")
         os.mkdir(place)
@@ -444,9 +516,10 @@ class Faults(ResumeTest):
             self.skipTest("a small disk can be made by root only")
         try:
             file = os.path.join(place, "job.h5")
-            # Plain maps take their place at once, compressed ones as they grow.
+            # Plain maps are known in size, compressed ones grow.
             errors = self.run_sweep(2, output=file, codes=(1,))
-            self.assert_told_once(errors, "No space left on device")
+            self.assert_told_once(errors, "job.h5.partial.new needs 14.71 MB", "4.19 MB (4190208 bytes) are available",
+                                  "output.storage", "output.fields", "output.compression", "lattice.increment")
             self.assertEqual(os.listdir(place), [])
             errors = self.run_sweep(3, *COMPRESSED, output=file, codes=(1,))
             self.assert_told_once(errors, "no space is left", "the same command will continue")
