@@ -206,9 +206,6 @@ int main(int argc, char** argv) {
   // HDF5's own locks would let somebody who looks at an unfinished archive keep its sweep from
   // going on, and have hung on network file systems; sweeps keep each other out by a FileLock.
   setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
-  // Open MPI 4.1 overruns a buffer where the path of a file with a shared pointer is long; HDF5 uses
-  // no shared pointers.
-  setenv("OMPI_MCA_sharedfp", "^lockedfile,sm", 0);
   if (is_parallel(std::span(argv, argv + argc))) return parallel_main(argc, argv);
   return is_other_rank() ? 0 : serial_main(argc, argv);
 }

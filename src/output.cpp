@@ -12,6 +12,7 @@
 #include "trebsweep/error.hpp"
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/key.hpp"
+#include "trebsweep/number.hpp"
 #include "trebsweep/partial.hpp"
 #include "trebsweep/regular_file.hpp"
 #include "trebsweep/version.hpp"
@@ -84,7 +85,7 @@ Contents read_begun(const Job& job, const fs::path& partial) {
 }
 
 [[noreturn]] void refuse_file(const Job& job, const std::string& why) {
-  throw InputError(fmt::format("output.file = {}: {}", job.output.file, why));
+  throw InputError(fmt::format("output.file = {}: {}", shortened(job.output.file), why));
 }
 
 fs::path lock_path(const fs::path& path) { return path.string() + ".lock"; }
@@ -114,6 +115,13 @@ fs::path check_names(const Job& job) {
       refuse_file(
           job, fmt::format("{} is {}; move it away, or name another file", name.string(), *kind));
   }
+  // Open MPI 4.1 overruns a buffer where the path of a file is long.
+  constexpr std::size_t longest = 200;
+  if (path.string().size() > longest)
+    refuse_file(job,
+                fmt::format("the path is too long: {} characters, at most {} are allowed; give "
+                            "a shorter one, such as one relative to the current folder",
+                            path.string().size(), longest));
   return path;
 }
 

@@ -98,9 +98,9 @@ class ResumeTest(unittest.TestCase):
         return os.path.join(cls.folder, name)
 
     @classmethod
-    def launch(cls, ranks, *options, output="job.h5", launcher=None):
+    def launch(cls, ranks, *options, output="job.h5", launcher=None, job=None):
         return subprocess.Popen(
-            [*(launcher or (MPIEXEC, "-n", str(ranks))), PROGRAM, "sweep", cls.job, "--progress",
+            [*(launcher or (MPIEXEC, "-n", str(ranks))), PROGRAM, "sweep", job or cls.job, "--progress",
              "none", "--output.file", output, *options], cwd=cls.folder, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
@@ -115,6 +115,20 @@ class ResumeTest(unittest.TestCase):
         if codes:
             self.assertIn(launcher.returncode, codes, output + errors)
         return errors
+
+    def launch_slow(self, ranks):
+        """A sweep whose designs take a tenth of a second each."""
+        job = self.path("slow.cfg")
+        with open(job, "w", encoding="utf-8") as file:
+            file.write("[solver]\nstepper = rk4\ntime-step = 1e-5\n")
+        return self.launch(ranks, job=job)
+
+    def wait_for(self, name, launcher):
+        """Waits until a sweep has made a file."""
+        while not os.path.exists(self.path(name)):
+            if launcher.poll() is not None:
+                self.fail(f"ended without {name}: {self.finish(launcher, codes=None)}")
+            time.sleep(0.005)
 
     def run_sweep(self, ranks, *options, codes=(0,), **how):
         return self.finish(self.launch(ranks, *options, **how), codes)
@@ -214,8 +228,7 @@ class Kills(ResumeTest):
 
     def test_a_rank_that_dies_ends_the_sweep(self):
         launcher = self.launch(3)
-        while not os.path.exists(self.path("job.h5.partial")):
-            time.sleep(0.05)
+        self.wait_for("job.h5.partial", launcher)
         os.kill(ranks_of(launcher)[-1], signal.SIGKILL)
         errors = self.finish(launcher, codes=None)
         self.assertNotEqual(launcher.returncode, 0)
@@ -284,7 +297,7 @@ class Stops(ResumeTest):
         self.assertEqual(self.assert_complete(), runs)
 
     def test_slow_designs_do_not_delay_a_stop(self):
-        launcher = self.launch(2, "--solver.stepper", "rk4", "--solver.time-step", "1e-5")
+        launcher = self.launch_slow(2)
         self.strike_when_up(launcher, lambda _, ranks: time.sleep(1))
         start = time.time()
         launcher.send_signal(signal.SIGUSR1)
@@ -292,15 +305,15 @@ class Stops(ResumeTest):
         self.assertLess(time.time() - start, 20)
 
 
-    # 780,000 tiles, whose file takes a minute to create.
+    # The one takes seconds to fill, with 6.4 GB; the other has 600,000 tiles.
     LARGE = ("--lattice.r1", "0.6", "--lattice.r3", "0.4:1.19:0.01", "--lattice.r2", "0.3:1.29999:1e-7",
              "--output.fields", "speed")
+    MANY_TILES = ("--lattice.r1", "0.6:1.39:0.01", *LARGE[2:], *COMPRESSED)
 
     def test_a_large_file_that_is_being_created_is_left_at_once(self):
-        for options in (self.LARGE, (*self.LARGE, *COMPRESSED), (*self.LARGE, "--overwrite")):
+        for options in (self.LARGE, self.MANY_TILES, (*self.LARGE, "--overwrite")):
             launcher = self.launch(2, *options)
-            while not os.path.exists(self.path("job.h5.partial.new")):
-                time.sleep(0.02)
+            self.wait_for("job.h5.partial.new", launcher)
             time.sleep(1)
             start = time.time()
             launcher.send_signal(signal.SIGUSR1)
@@ -395,8 +408,7 @@ class Partials(ResumeTest):
 
     def test_a_sweep_whose_partial_file_is_replaced_ends_with_an_error(self):
         launcher = self.launch(2)
-        while not os.path.exists(self.path("job.h5.partial")):
-            time.sleep(0.005)
+        self.wait_for("job.h5.partial", launcher)
         shutil.copy(self.path("job.h5.partial"), self.path("job.h5.copy"))
         os.replace(self.path("job.h5.copy"), self.path("job.h5.partial"))
         self.assert_told_once(self.finish(launcher, codes=(1,)), "another run has taken over job.h5.partial")
@@ -449,12 +461,10 @@ class Partials(ResumeTest):
         self.assert_complete()
 
     def test_a_second_sweep_is_refused(self):
-        slow = ("--solver.stepper", "rk4", "--solver.time-step", "1e-5")
-        first = self.launch(1, *slow)
-        while not os.path.exists(self.path("job.h5.partial")):
-            time.sleep(0.02)
-        for options in ((), slow, ("--overwrite",)):
-            errors = self.run_sweep(1, *options, codes=(2,))
+        first = self.launch_slow(1)
+        self.wait_for("job.h5.partial", first)
+        for options, job in (((), None), ((), "slow.cfg"), (("--overwrite",), None)):
+            errors = self.run_sweep(1, *options, job=job, codes=(2,))
             self.assert_told_once(errors, "output.file = job.h5: another run is writing it",
                                   f"process {ranks_of(first)[0]}")
         first.send_signal(signal.SIGUSR1)
@@ -534,8 +544,7 @@ class Faults(ResumeTest):
 
     def test_a_final_name_that_cannot_be_taken(self):
         launcher = self.launch(2)
-        while not os.path.exists(self.path("job.h5.partial")):
-            time.sleep(0.02)
+        self.wait_for("job.h5.partial", launcher)
         os.mkdir(self.path("job.h5"))
         errors = self.finish(launcher, codes=(1,))
         os.rmdir(self.path("job.h5"))
