@@ -3,6 +3,8 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "trebsweep/integrate.hpp"
+#include "trebsweep/sample.hpp"
 #include "trebsweep/swing.hpp"
 
 using namespace trebsweep;
@@ -104,13 +106,39 @@ TEST_CASE("Values at the release follow from the state there") {
   const double vy = 0.58 * v[2] * std::sin(v[0]);
   CHECK(std::hypot(vx, vy) == Approx(speed));
   const double height = 1.5 + 0.91 - 0.58 * std::cos(v[0]);
-  CHECK(v[5] == Approx(std::abs(vx) * (vy + std::sqrt(vy * vy + 2 * g * height)) / g));
+  CHECK(v[5] == Approx(vx * (vy + std::sqrt(vy * vy + 2 * g * height)) / g));
   // Weights' heights: counterweight and beam fall, the projectile rises.
   const double m2 = 7850 * 0.01 * 1.42,
                turn = 0.5 / 0.51 + 1;  // cos phi1 falls from 0.5/0.51 to -1
   const double given =
       g * ((5000 * 0.51 - m2 * 0.2 - 100 * 0.91) * turn - 100 * 0.58 * (1 - std::cos(v[0])));
   CHECK(v[4] == Approx(v[3] / given));
+}
+
+TEST_CASE(
+    "A range is positive where the projectile flies as the arm's tip does, negative backwards") {
+  const Scene scene;
+  const auto designs = sample(Lattice(scene, LatticeSpec()), 400);
+  const std::vector<Field> fields{Field::sling_angle, Field::arm_rate, Field::sling_rate,
+                                  Field::range};
+  std::vector<Shot> shots(designs.size());
+  std::vector<double> values(designs.size() * fields.size());
+  integrate(scene, accurate(1e-9), designs, fields, shots, values);
+  int forwards = 0, backwards = 0;
+  for (std::size_t n = 0; n < designs.size(); ++n) {
+    if (shots[n].status != Status::released) continue;
+    const auto [r1, r3, r2] = designs[n];
+    const double angle = values[4 * n], w = values[4 * n + 1], sling_rate = values[4 * n + 2];
+    REQUIRE(w > 0);  // at phi1 = pi the arm's tip moves along +x
+    const double vx = r2 * w - r3 * sling_rate * std::cos(angle);
+    const double vy = r3 * sling_rate * std::sin(angle);
+    const double height = scene.fulcrum_height + r2 - r3 * std::cos(angle), g = scene.gravity;
+    const double range = vx * (vy + std::sqrt(vy * vy + 2 * g * height)) / g;
+    CHECK(values[4 * n + 3] == Approx(range).epsilon(1e-9).margin(1e-9));
+    ++(vx < 0 ? backwards : forwards);
+  }
+  CHECK(forwards > 0);
+  CHECK(backwards > 0);
 }
 
 TEST_CASE("A sling that pulls throughout is taut, one that would push is slack") {

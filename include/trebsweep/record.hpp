@@ -88,7 +88,6 @@ auto is_below_ground(const Mechanism<T, E>& mechanism, const State<T, E>& x) {
 template <class T, Effects E>
 T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T, E>& x,
                    const Record<T>& record) {
-  using std::abs;
   using std::sqrt;
   const Scene& scene = mechanism.scene();
   const auto kinetic = [&] {
@@ -116,7 +115,7 @@ T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T,
       const T fall = velocity.y * velocity.y + T(2) * g * height;
       const T none = std::numeric_limits<double>::quiet_NaN();
       const T flight = T(velocity.y + sqrt(select(fall > T(0), fall, T(0)))) / g;
-      return select(height < T(0), none, T(abs(velocity.x) * flight));
+      return select(height < T(0), none, T(velocity.x * flight));
     }
     case Field::energy_drift:
       return T(T(mechanism.energy(x) + record.loss) - mechanism.energy(at_start())) / given_up();
