@@ -37,7 +37,7 @@ void print_row(const Mechanism<double, E>& mechanism, const Instant<double, E>& 
              at.t, at.x[phi1], at.x[phi2], at.x[w1], at.x[w2], counterweight.x, counterweight.y,
              tip.x, tip.y, projectile.x, projectile.y, mechanism.speed(at.x),
              mechanism.energy(at.x), loads.projectile_pull, loads.tip_pull, loads.axle,
-             loads.beam_stress);
+             std::abs(loads.beam_stress));
 }
 
 /// An observer of a swing that prints the rows due in each step, and remembers its end.

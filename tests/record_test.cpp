@@ -1,8 +1,14 @@
 #include "trebsweep/record.hpp"
 
+#include <algorithm>
+#include <cstring>
+#include <span>
 #include <vector>
 
 #include "catch.hpp"
+#include "trebsweep/integrate.hpp"
+#include "trebsweep/sample.hpp"
+#include "trebsweep/steppers.hpp"
 #include "trebsweep/swing.hpp"
 
 using namespace trebsweep;
@@ -34,35 +40,170 @@ std::vector<double> shoot(const Scene& scene, const std::vector<Field>& fields,
 
 }  // namespace
 
-TEST_CASE("A peak between equal or unequal samples is the parabola's through them") {
-  const auto f = [](double x) { return 3 - (x - 0.4) * (x - 0.4); };
-  for (const double part : {0.3, 0.5, 0.6})
-    CHECK(larger_peak(0.0, f(0), f(part), f(1), part) == Approx(3));
-  CHECK(larger_peak(0.0, 1.0, 2.0, 3.0, 0.5) == 3);    // a line has its peak at an end
-  CHECK(larger_peak(0.0, 2.0, 1.0, 2.5, 0.5) == 2.5);  // a valley too
-  CHECK(larger_peak(9.0, 1.0, 2.0, 1.0, 0.5) == 9);
+TEST_CASE("A peak is the polynomial's through its samples, or the largest sample") {
+  constexpr std::array<double, 4> places{0, 0.3, 0.6, 1};
+  const auto peak_of = [&](auto f) {
+    std::array<double, 4> values;
+    std::transform(places.begin(), places.end(), values.begin(), f);
+    return peak(places, values);
+  };
+  CHECK(peak_of([](double x) { return 3 - (x - 0.4) * (x - 0.4); }) == Approx(3));
+  CHECK(peak_of([](double x) { return x * (1 - x * x); }) == Approx(2 / std::sqrt(27)));
+  CHECK(peak_of([](double x) { return -4 * std::pow(x - 0.05, 2); }) == Approx(0).margin(1e-15));
+  CHECK(peak_of([](double x) { return 1 + x; }) == 2);                     // at the end
+  CHECK(peak_of([](double x) { return (x - 0.5) * (x - 0.5); }) == 0.25);  // a valley
+  CHECK(peak_of([](double) { return 5; }) == 5);
 }
 
-TEST_CASE("Peaks are those of a fine trace of the swing") {
+TEST_CASE("A motion of fifth degree is interpolated exactly, over a step of no length too") {
+  // phi1 = t^5, phi2 = 1 - t + t^4
+  const auto at = [](double t) {
+    Instant<double> now{};
+    now.x = {std::pow(t, 5), 1 - t + std::pow(t, 4), 5 * std::pow(t, 4), 4 * t * t * t - 1};
+    now.dxdt = {now.x[w1], now.x[w2], 20 * t * t * t, 12 * t * t};
+    return now;
+  };
+  const Quintic<double, Effects{}> between(at(0.5), at(2.0), 1.5);
+  for (const double part : {0.0, 0.3, 0.5, 0.9, 1.0})
+    for (std::size_t i = 0; i < 4; ++i)
+      CHECK(between(part)[i] == Approx(at(0.5 + 1.5 * part).x[i]).epsilon(1e-13));
+  const Quintic<double, Effects{}> none(at(0.5), at(0.5), 0);
+  CHECK(none(0.3) == at(0.5).x);
+}
+
+namespace {
+
+/// Peaks by the parabolas through a fine sequence of samples.
+struct FinePeaks {
+  std::array<double, 4> largest{-1e300, 0, 0, 0};  // of the first the sign is turned
+  std::array<double, 4> before{}, last{};
+  int count = 0;
+
+  /// Begins a sequence that does not go on smoothly.
+  void begin() { count = 0; }
+
+  void add(const Loads<double>& loads) {
+    const std::array<double, 4> next{-loads.projectile_pull, loads.tip_pull, loads.axle,
+                                     std::abs(loads.beam_stress)};
+    for (std::size_t i = 0; i < 4; ++i) {
+      largest[i] = std::max(largest[i], next[i]);
+      const double rise = (next[i] - before[i]) / 2, bend = next[i] + before[i] - 2 * last[i];
+      if (count > 1 && last[i] > before[i] && last[i] > next[i])
+        largest[i] = std::max(largest[i], last[i] - rise * rise / (2 * bend));
+    }
+    before = std::exchange(last, next);
+    ++count;
+  }
+};
+
+struct Swung {
+  Status status;
+  std::array<double, 4> recorded, fine;
+};
+
+/// Peaks as they are recorded, and those of the swing's own steps: of instants every half
+/// millisecond, to which the stepper goes from each step's start.
+template <class Stepper, Effects E>
+Swung swing_finely(const Scene& scene, const Design<double>& design, const Solver& solver) {
+  constexpr std::array fields{Field::least_sling_tension, Field::peak_sling_tension,
+                              Field::peak_axle_load, Field::peak_beam_stress};
+  const Mechanism<double, E> mechanism(scene, design);
+  const Motion<double, E> motion(scene, design);
+  Stepper stepper = make_stepper<Stepper>(solver);
+  FinePeaks fine;
+  Swung swung{};
+  const auto watch_finely = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
+    const int parts = std::max(6, static_cast<int>((to.t - from.t) / 5e-4));
+    fine.begin();
+    fine.add(mechanism.loads(from.x, from.dxdt));
+    Instant<double, E> at;
+    State<double, E> error;
+    for (int i = 1; i < parts; ++i) {
+      advance(stepper, motion, from, (to.t - from.t) * i / parts, at, error);
+      fine.add(mechanism.loads(at.x, at.dxdt));
+    }
+    fine.add(mechanism.loads(to.x, to.dxdt));
+  };
+  const auto outcome =
+      swing<Stepper, double, E>(scene, design, solver, watch_finely, fields, swung.recorded);
+  swung.status = outcome.status;
+  swung.fine = fine.largest;
+  swung.fine[0] = E.elastic ? std::max(0.0, -fine.largest[0]) : -fine.largest[0];
+  return swung;
+}
+
+}  // namespace
+
+TEST_CASE("Peaks of every stepper are those of its swing sampled finely") {
+  Scene friction, elastic;
+  friction.pivot_friction = 510;
+  friction.pivot_viscosity = 20;
+  elastic.sling_mass = 1;
+  elastic.sling_stiffness = 3e5;
+  elastic.sling_damping = 500;
+  int swings = 0;
+  for (const Scene& scene : {Scene{}, friction, elastic})
+    with_effects(scene, [&]<Effects E>() {
+      auto designs = sample(Lattice(scene, LatticeSpec()), 6);
+      designs.push_back(optimum);
+      const double weight = scene.projectile_mass * scene.gravity;
+      for (const Design<double>& design : designs)
+        for (const auto name : stepper_names) {
+          const bool adaptive = follows_tolerance(name);
+          for (const double accuracy : adaptive ? std::array{1e-4, 1e-6, 1e-8, 1e-10, 1e-12}
+                                                : std::array{1e-2, 3e-3, 1e-3, 3e-4, 1e-4}) {
+            Solver solver = accurate(accuracy);
+            solver.stepper = name;
+            solver.time_step = accuracy;
+            solver.max_time = 3;
+            const Swung swung = with_stepper(
+                name, [&]<template <class, Effects = Effects{}> class Stepper>() {
+                  return swing_finely<Stepper<double, E>, E>(scene, design, solver);
+                });
+            if (!is_shot(swung.status)) continue;
+            ++swings;
+            double allowed = adaptive && accuracy > 1e-5 ? 2e-3 : 1e-5;
+            if (E.elastic) {
+              allowed = std::max(allowed, 2e-5);
+              // An elastic sling makes a force of its length's error.
+              if (adaptive) allowed += 3 * scene.sling_stiffness * accuracy / weight;
+            }
+            for (std::size_t i = 0; i < 4; ++i) {
+              // The least pull may vanish.
+              const double size = std::max(std::abs(swung.fine[i]), i == 0 ? weight : 0);
+              INFO(name << " at " << accuracy << ", load " << i << " of the design " << design.r1
+                        << " " << design.r3 << " " << design.r2);
+              CHECK(std::abs(swung.recorded[i] - swung.fine[i]) <= allowed * size);
+            }
+          }
+        }
+    });
+  CHECK(swings > 1500);
+}
+
+TEST_CASE("Loads of a design are the same bit for bit whatever its neighbours") {
   const std::vector<Field> fields{Field::least_sling_tension, Field::peak_sling_tension,
                                   Field::peak_axle_load, Field::peak_beam_stress};
-  const Mechanism<double> mechanism(Scene{}, optimum);
-  Record<double> fine;
-  Solver solver = accurate(1e-10);
-  solver.stepper = "rk4";
-  solver.time_step = 1e-4;
-  swing<RungeKutta4<double>, double>(Scene{}, optimum, solver, [&](const auto&, const auto& to) {
-    const auto loads = mechanism.loads(to.x, to.dxdt);
-    fine.least_pull = std::min(fine.least_pull, loads.projectile_pull);
-    fine.peak_pull = std::max(fine.peak_pull, loads.tip_pull);
-    fine.peak_axle = std::max(fine.peak_axle, loads.axle);
-    fine.peak_stress = std::max(fine.peak_stress, loads.beam_stress);
-  });
-  const auto values = shoot(Scene{}, fields, 1e-9);
-  CHECK(values[0] == Approx(fine.least_pull).epsilon(1e-4));
-  CHECK(values[1] == Approx(fine.peak_pull).epsilon(1e-4));
-  CHECK(values[2] == Approx(fine.peak_axle).epsilon(1e-4));
-  CHECK(values[3] == Approx(fine.peak_stress).epsilon(1e-4));
+  Scene elastic;
+  elastic.sling_stiffness = 3e5;
+  const auto designs = sample(Lattice(Scene{}, LatticeSpec()), 40);
+  const auto loads = [&](const Scene& scene, const Solver& solver,
+                         std::span<const Design<double>> some) {
+    std::vector<Shot> shots(some.size());
+    std::vector<double> values(some.size() * fields.size());
+    integrate(scene, solver, some, fields, shots, values);
+    return values;
+  };
+  for (const Scene& scene : {Scene{}, elastic})
+    for (const double tolerance : {1e-6, 1e-9}) {  // steps in two parts, and whole
+      const Solver solver = accurate(tolerance);
+      const auto together = loads(scene, solver, designs);
+      for (std::size_t n = 0; n < designs.size(); ++n) {
+        const auto alone = loads(scene, solver, std::span(designs).subspan(n, 1));
+        CHECK(std::memcmp(alone.data(), &together[n * fields.size()],
+                          alone.size() * sizeof(double)) == 0);
+      }
+    }
 }
 
 TEST_CASE("Energy is balanced to the tolerance with every combination of effects") {
@@ -104,13 +245,39 @@ TEST_CASE("Values at the release follow from the state there") {
   const double vy = 0.58 * v[2] * std::sin(v[0]);
   CHECK(std::hypot(vx, vy) == Approx(speed));
   const double height = 1.5 + 0.91 - 0.58 * std::cos(v[0]);
-  CHECK(v[5] == Approx(std::abs(vx) * (vy + std::sqrt(vy * vy + 2 * g * height)) / g));
+  CHECK(v[5] == Approx(vx * (vy + std::sqrt(vy * vy + 2 * g * height)) / g));
   // Weights' heights: counterweight and beam fall, the projectile rises.
   const double m2 = 7850 * 0.01 * 1.42,
                turn = 0.5 / 0.51 + 1;  // cos phi1 falls from 0.5/0.51 to -1
   const double given =
       g * ((5000 * 0.51 - m2 * 0.2 - 100 * 0.91) * turn - 100 * 0.58 * (1 - std::cos(v[0])));
   CHECK(v[4] == Approx(v[3] / given));
+}
+
+TEST_CASE(
+    "A range is positive where the projectile flies as the arm's tip does, negative backwards") {
+  const Scene scene;
+  const auto designs = sample(Lattice(scene, LatticeSpec()), 400);
+  const std::vector<Field> fields{Field::sling_angle, Field::arm_rate, Field::sling_rate,
+                                  Field::range};
+  std::vector<Shot> shots(designs.size());
+  std::vector<double> values(designs.size() * fields.size());
+  integrate(scene, accurate(1e-9), designs, fields, shots, values);
+  int forwards = 0, backwards = 0;
+  for (std::size_t n = 0; n < designs.size(); ++n) {
+    if (shots[n].status != Status::released) continue;
+    const auto [r1, r3, r2] = designs[n];
+    const double angle = values[4 * n], w = values[4 * n + 1], sling_rate = values[4 * n + 2];
+    REQUIRE(w > 0);  // at phi1 = pi the arm's tip moves along +x
+    const double vx = r2 * w - r3 * sling_rate * std::cos(angle);
+    const double vy = r3 * sling_rate * std::sin(angle);
+    const double height = scene.fulcrum_height + r2 - r3 * std::cos(angle), g = scene.gravity;
+    const double range = vx * (vy + std::sqrt(vy * vy + 2 * g * height)) / g;
+    CHECK(values[4 * n + 3] == Approx(range).epsilon(1e-9).margin(1e-9));
+    ++(vx < 0 ? backwards : forwards);
+  }
+  CHECK(forwards > 0);
+  CHECK(backwards > 0);
 }
 
 TEST_CASE("A sling that pulls throughout is taut, one that would push is slack") {

@@ -46,7 +46,9 @@ inline constexpr std::array<FieldInfo, 19> field_info{{
     {"sling-rate", "rad s-1", "rate of the sling's angle at release"},
     {"kinetic-energy", "J", "kinetic energy of the projectile at release"},
     {"efficiency", "1", "projectile's kinetic energy over the potential energy given up"},
-    {"range", "m", "way over ground of a free flight in vacuum from the release"},
+    {"range", "m",
+     "horizontal distance from the point of release to the point of impact of a free flight in "
+     "vacuum, positive in the direction in which the arm's tip moves at phi1 = pi"},
     {"energy-drift", "1",
      "energy and losses at release less energy at the start, over that given up"},
     {"steps", "1", "steps tried"},

@@ -70,7 +70,8 @@ struct Loads {
   T projectile_pull;  ///< N: of the sling on the projectile; below zero where it would have to push
   T tip_pull;         ///< N: of the sling on the arm's tip
   T axle;             ///< N: force between axle and beam
-  T beam_stress;      ///< Pa: bending stress at the fulcrum, at the throwing arm's surface
+  T beam_stress;  ///< Pa: bending stress at the fulcrum, at the surface of the throwing arm; its
+                  ///< sign is that of the bending moment
 };
 
 /// The bodies of one design in a scene, and what they do in a state; the equations that move them
@@ -220,11 +221,10 @@ class Mechanism {
     const Vector<T> pull = m3 * end + T(ms / T(2)) * (tip + end);
     const Vector<T> axle = T(scene_.counterweight_mass) * (r1 * turn + up) +
                            beam_mass() * (T(-beam_centre()) * turn + up) + pull;
-    const T side(scene_.beam_side), per_metre = T(scene_.beam_density) * side * side;
-    const T arm_inertia =
-        scene_.beam_inertia == BeamInertia::none ? T(0) : T(per_metre * r2 * r2 * r2 / T(3));
-    const T bending =
-        arm_inertia * dxdt[w1] + per_metre * g * r2 * r2 * a.x / T(2) - r2 * dot(pull, turned(a));
+    const double side = scene_.beam_side, per_metre = scene_.beam_density * side * side;
+    const double turning = scene_.beam_inertia == BeamInertia::none ? 0 : per_metre / 3;
+    const T bending = T(turning) * r2 * r2 * r2 * dxdt[w1] +
+                      T(per_metre * scene_.gravity / 2) * r2 * r2 * a.x - r2 * dot(pull, turned(a));
     Loads<T> loads;
     if constexpr (E.elastic)
       loads.projectile_pull = sling_pull(x);
@@ -232,7 +232,7 @@ class Mechanism {
       loads.projectile_pull = m3 * dot(end, e);
     loads.tip_pull = dot(pull, e);
     loads.axle = sqrt(dot(axle, axle));
-    loads.beam_stress = T(6) * abs(bending) / T(side * side * side);
+    loads.beam_stress = T(6 / (side * side * side)) * bending;
     return loads;
   }
 

@@ -1,13 +1,20 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <limits>
+#include <span>
+#include <type_traits>
 
 #include "trebsweep/field.hpp"
+#include "trebsweep/peak.hpp"
+#include "trebsweep/quintic.hpp"
 #include "trebsweep/stepper.hpp"
 
 namespace trebsweep {
 
-/// What has been seen along a swing.
+/// What has been seen along a swing; of loads, those that are watched.
 template <class T>
 struct Record {
   T least_pull = std::numeric_limits<double>::infinity();  ///< N, of the sling on the projectile
@@ -17,65 +24,138 @@ struct Record {
   T loss = 0;                                              ///< J, to friction
 };
 
-/// The larger of `largest` and a quantity's maximum about the middle one of three values: that of
-/// the parabola through them, where it lies between them. The middle one is `part` of the way
-/// between the others.
-template <class T>
-T larger_peak(const T& largest, const T& first, const T& middle, const T& last, double part) {
-  // Newton's divided differences over a way of length one.
-  const T rise = T(middle - first) / T(part);
-  const T bend = T(last - first) - rise;  // times (1 - part)
-  const T curvature = bend / T(1 - part);
-  const T top = T(part / 2) - rise / T(T(2) * select(curvature < T(0), curvature, T(-1)));
-  const T value = first + top * T(rise + T(top - T(part)) * curvature);
-  const auto inside = (curvature < T(0)) & (top > T(0)) & (top < T(1));
-  T most = select(largest > middle, largest, middle);
-  most = select(most > first, most, first);
-  most = select(most > last, most, last);
-  return select(inside & (value > most), value, most);
-}
+/// Which loads are watched.
+struct Watched {
+  explicit Watched(std::span<const Field> fields) {
+    for (const Field field : fields) {
+      least_pull |= field == Field::slack || field == Field::least_sling_tension;
+      peak_pull |= field == Field::peak_sling_tension;
+      peak_axle |= field == Field::peak_axle_load;
+      peak_stress |= field == Field::peak_beam_stress;
+    }
+  }
+  bool any() const { return least_pull || peak_pull || peak_axle || peak_stress; }
 
-/// A record continued over a step: by the loads and losses at the places of Lobatto's quadrature
-/// with five points, to which the stepper goes from the step's start.
+  bool least_pull = false, peak_pull = false, peak_axle = false, peak_stress = false;
+};
+
+/// The mean power lost to friction over a step, W: by Lobatto's quadrature with five points, to
+/// which the stepper goes from the step's start.
 template <class Stepper, class T, Effects E>
-Record<T> watch(Record<T> record, Stepper& stepper, const Motion<T, E>& motion,
-                const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
-                const Instant<T, E>& to, const T& h) {
+T lost_power(Stepper& stepper, const Motion<T, E>& motion, const Mechanism<T, E>& mechanism,
+             const Instant<T, E>& from, const Instant<T, E>& to, const T& h) {
   constexpr double early = 0.17267316464601143;  // (1 - sqrt(3/7))/2
   constexpr std::array<double, 3> inside{early, 0.5, 1 - early};
-  constexpr std::array<double, 5> weights{1.0 / 20, 49.0 / 180, 16.0 / 45, 49.0 / 180, 1.0 / 20};
-  std::array<Instant<T, E>, 5> at;
-  at.front() = from;
-  at.back() = to;
+  constexpr std::array<double, 3> weights{49.0 / 180, 16.0 / 45, 49.0 / 180};
+  T power = T(1.0 / 20) * mechanism.dissipation(from.x);
+  Instant<T, E> at;
   State<T, E> error;
-  for (std::size_t i = 0; i < 3; ++i)
-    advance(stepper, motion, from, T(T(inside[i]) * h), at[i + 1], error);
-  std::array<Loads<T>, 5> loads;
-  T loss = 0;
-  for (std::size_t i = 0; i < 5; ++i) {
-    loads[i] = mechanism.loads(at[i].x, at[i].dxdt);
-    if constexpr (E.pivot || E.elastic) loss += T(weights[i]) * mechanism.dissipation(at[i].x);
+  for (std::size_t i = 0; i < 3; ++i) {
+    advance(stepper, motion, from, T(T(inside[i]) * h), at, error);
+    power += T(weights[i]) * mechanism.dissipation(at.x);
   }
-  record.loss += h * loss;
-  const std::array<double, 5> places{0, inside[0], inside[1], inside[2], 1};
-  for (std::size_t i = 1; i < 4; ++i) {
-    const double part = (places[i] - places[i - 1]) / (places[i + 1] - places[i - 1]);
-    const auto peak = [&](const T& largest, T Loads<T>::*load) {
-      return larger_peak(largest, loads[i - 1].*load, loads[i].*load, loads[i + 1].*load, part);
-    };
-    record.least_pull =
-        -larger_peak(T(-record.least_pull), T(-loads[i - 1].projectile_pull),
-                     T(-loads[i].projectile_pull), T(-loads[i + 1].projectile_pull), part);
-    record.peak_pull = peak(record.peak_pull, &Loads<T>::tip_pull);
-    record.peak_axle = peak(record.peak_axle, &Loads<T>::axle);
-    record.peak_stress = peak(record.peak_stress, &Loads<T>::beam_stress);
+  power += T(1.0 / 20) * mechanism.dissipation(to.x);
+  return power;
+}
+
+/// Whether the motion within a step is interpolated to watch it, which costs a fraction of a step.
+/// Otherwise the stepper goes there: the motion of an implicit one may be stiff, so that forces
+/// magnify an error of the state, and steps of a fixed length need not be accurate.
+template <class Stepper>
+inline constexpr bool is_interpolated =
+    is_adaptive<Stepper> &&
+    !std::is_same_v<typename Stepper::stepper_category, odeint::error_stepper_tag>;
+
+/// A record continued over a part of a step: by the peaks of the polynomials through the loads at
+/// the places of Lobatto's quadrature with six points.
+template <class Stepper, class T, Effects E>
+Record<T> watch_part(Record<T> record, const Watched& watched, Stepper& stepper,
+                     const Motion<T, E>& motion, const Mechanism<T, E>& mechanism,
+                     const Instant<T, E>& from, const Instant<T, E>& to, const T& h) {
+  using std::abs;
+  constexpr double a = 0.11747233803526763, b = 0.3573842417596774;
+  constexpr std::array<double, 6> places{0, a, b, 1 - b, 1 - a, 1};
+  std::array<Loads<T>, 6> loads;
+  loads.front() = mechanism.loads(from.x, from.dxdt);
+  loads.back() = mechanism.loads(to.x, to.dxdt);
+  [[maybe_unused]] const Quintic<T, E> between(from, to, h);
+  for (std::size_t i = 1; i < 5; ++i) {
+    Instant<T, E> at;
+    if constexpr (is_interpolated<Stepper>) {
+      at = instant(motion, T(0), between(places[i]));
+    } else {
+      State<T, E> error;
+      advance(stepper, motion, from, T(T(places[i]) * h), at, error);
+    }
+    loads[i] = mechanism.loads(at.x, at.dxdt);
+  }
+  const auto peak_of = [&](auto load) {
+    std::array<T, 6> values;
+    std::transform(loads.begin(), loads.end(), values.begin(), load);
+    return peak(places, values);
+  };
+  if (watched.least_pull) {
+    const T pull = peak_of([](const Loads<T>& l) { return T(-l.projectile_pull); });
+    record.least_pull = -larger(T(-record.least_pull), pull);
+  }
+  if (watched.peak_pull)
+    record.peak_pull =
+        larger(record.peak_pull, peak_of([](const Loads<T>& l) { return l.tip_pull; }));
+  if (watched.peak_axle)
+    record.peak_axle = larger(record.peak_axle, peak_of([](const Loads<T>& l) { return l.axle; }));
+  if (watched.peak_stress) {
+    // Of the bending to both sides, the larger one counts.
+    T stress = loads[0].beam_stress;
+    for (const Loads<T>& l : loads)
+      stress = select(abs(stress) < abs(l.beam_stress), l.beam_stress, stress);
+    const T side = select(stress < T(0), T(-1), T(1));
+    record.peak_stress = larger(
+        record.peak_stress, peak_of([&](const Loads<T>& l) { return T(side * l.beam_stress); }));
   }
   return record;
 }
 
-/// Whether a field of a scene needs a Record.
-inline bool needs_record(Field field, const Scene& scene) {
-  return is_load(field) || (field == Field::energy_drift && is_dissipative(scene));
+/// The same for packs, with all calls inlined.
+template <class Stepper, std::size_t R, Effects E>
+[[gnu::flatten]] inline Record<Pack<R>> watch_part(
+    const Record<Pack<R>>& record, const Watched& watched, Stepper& stepper,
+    const Motion<Pack<R>, E>& motion, const Mechanism<Pack<R>, E>& mechanism,
+    const Instant<Pack<R>, E>& from, const Instant<Pack<R>, E>& to, const Pack<R>& h) {
+  return watch_part<Stepper, Pack<R>, E>(record, watched, stepper, motion, mechanism, from, to, h);
+}
+
+/// In how many parts a step is watched. Steppers of high order take long steps, over which the
+/// interpolation would miss peaks by more than 1e-5 of their size.
+template <class Stepper>
+int watched_parts([[maybe_unused]] const Stepper& stepper, [[maybe_unused]] double tolerance) {
+  if constexpr (is_own_controller<Stepper>)
+    return 4;  // extrapolation takes the longest
+  else if constexpr (is_interpolated<Stepper>)
+    return stepper.order() > 5 && tolerance > 1e-8 ? 2 : 1;
+  else
+    return 1;
+}
+
+/// A record's loads continued over a step of a stepper that follows `tolerance`, if any.
+template <class Stepper, class T, Effects E>
+Record<T> watch(Record<T> record, const Watched& watched, Stepper& stepper, double tolerance,
+                const Motion<T, E>& motion, const Mechanism<T, E>& mechanism,
+                const Instant<T, E>& from, const Instant<T, E>& to, const T& h) {
+  const int parts = watched_parts(stepper, tolerance);
+  const T part = T(1.0 / parts) * h;
+  Instant<T, E> last = from, next;
+  State<T, E> error;
+  for (int i = 1; i < parts; ++i) {
+    advance(stepper, motion, from, T(T(i) * part), next, error);
+    record = watch_part(record, watched, stepper, motion, mechanism, last, next, part);
+    last = next;
+  }
+  return watch_part(record, watched, stepper, motion, mechanism, last, to, part);
+}
+
+/// Whether a field of a scene needs a Record's loss.
+inline bool needs_loss(Field field, const Scene& scene) {
+  return field == Field::energy_drift && is_dissipative(scene);
 }
 
 /// Whether the projectile is below the ground, where it has no range.
@@ -88,7 +168,6 @@ auto is_below_ground(const Mechanism<T, E>& mechanism, const State<T, E>& x) {
 template <class T, Effects E>
 T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T, E>& x,
                    const Record<T>& record) {
-  using std::abs;
   using std::sqrt;
   const Scene& scene = mechanism.scene();
   const auto kinetic = [&] {
@@ -116,7 +195,7 @@ T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T,
       const T fall = velocity.y * velocity.y + T(2) * g * height;
       const T none = std::numeric_limits<double>::quiet_NaN();
       const T flight = T(velocity.y + sqrt(select(fall > T(0), fall, T(0)))) / g;
-      return select(height < T(0), none, T(abs(velocity.x) * flight));
+      return select(height < T(0), none, T(velocity.x * flight));
     }
     case Field::energy_drift:
       return T(T(mechanism.energy(x) + record.loss) - mechanism.energy(at_start())) / given_up();

@@ -164,8 +164,17 @@ class Swings {
   /// Continues all records over a step. Those of swings that have ended are begun anew, or wait
   /// with their shots already.
   [[gnu::noinline]] void record(const Instant& from, const Instant& to, const T& h) {
-    const Mechanism<T, E> mechanism(scene_, flight_.design);
-    record_ = watch(record_, stepper_, flight_.motion, mechanism, from, to, h);
+    record_ = extended(record_, flight_.design, flight_.motion, from, to, h);
+  }
+
+  /// A record continued over a step by what the fields need.
+  Record<T> extended(Record<T> record, const Design<T>& design, const Motion<T, E>& motion,
+                     const Instant& from, const Instant& to, const T& h) {
+    const Mechanism<T, E> mechanism(scene_, design);
+    if (losing_) record.loss += h * lost_power(stepper_, motion, mechanism, from, to, h);
+    if (watched_.any())
+      record = watch(record, watched_, stepper_, solver_.tolerance, motion, mechanism, from, to, h);
+    return record;
   }
 
   static std::size_t first_of(Set set) { return static_cast<std::size_t>(std::countr_zero(set)); }
@@ -345,8 +354,8 @@ class Swings {
   void record_fields(const Mechanism<T, E>& mechanism) {
     if (fields_.empty()) return;
     if (recording_)
-      shot_.record = watch(shot_.record, stepper_, shot_.motion, mechanism, shot_.from, shot_.to,
-                           T(shot_.to.t - shot_.from.t));
+      shot_.record = extended(shot_.record, shot_.design, shot_.motion, shot_.from, shot_.to,
+                              T(shot_.to.t - shot_.from.t));
     for (std::size_t f = 0; f < fields_.size(); ++f) {
       const T value = value_at_release(fields_[f], mechanism, shot_.to.x, shot_.record);
       for (std::size_t lane = 0; lane < shots_; ++lane)
@@ -440,8 +449,10 @@ class Swings {
       boost::math::constants::pi<Number>() -
       Number(solver_.release == Release::window ? solver_.release_window * (1 + 1e-9) : 0);
   const std::uint64_t step_limit_ = step_limit(solver_);
-  const bool recording_ = std::any_of(fields_.begin(), fields_.end(),
-                                      [&](Field field) { return needs_record(field, scene_); });
+  const Watched watched_{fields_};
+  const bool losing_ = std::any_of(fields_.begin(), fields_.end(),
+                                   [&](Field field) { return needs_loss(field, scene_); });
+  const bool recording_ = watched_.any() || losing_;
   const bool ranging_ = std::count(fields_.begin(), fields_.end(), Field::range) > 0;
 
   Flight flight_{};
