@@ -48,7 +48,7 @@ bool quota_forbids([[maybe_unused]] const fs::path& path, [[maybe_unused]] std::
 
 [[noreturn]] void refuse(const fs::path& path, std::uintmax_t bytes, const std::string& why) {
   throw std::runtime_error(fmt::format(
-      "{} needs {} ({} bytes), {}; set output.storage = float32, fewer output.fields, an "
+      "{} needs at least {} ({} bytes), {}; set output.storage = float32, fewer output.fields, an "
       "output.compression or a larger lattice.increment, or choose another place",
       path.string(), size_text(bytes), bytes, why));
 }

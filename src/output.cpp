@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The keys in which two jobs' maps differ, but for where they go, with both values.
+/// The keys in which two jobs' maps differ, except for where they go, with both values.
 std::vector<std::string> differences(const Job& here, const Job& there) {
   std::vector<std::string> found;
   for (const Key& key : job_keys()) {

@@ -514,7 +514,7 @@ class Faults(ResumeTest):
     def test_a_limit_below_the_size_that_is_known(self):
         limited = [MPIEXEC, "-n", "2", "bash", "-c", 'ulimit -f 14000; exec "$@"', "limited"]
         errors = self.run_sweep(0, codes=(1,), launcher=limited)
-        self.assert_told_once(errors, "needs 14.71 MB", "ulimit -f", "14.34 MB", "output.storage = float32")
+        self.assert_told_once(errors, "needs at least 14.71 MB", "ulimit -f", "14.34 MB", "output.storage = float32")
         self.assertEqual([name for name in os.listdir(self.folder) if name.startswith("job.h5")], [])
 
     def test_a_full_disk(self):
@@ -528,7 +528,7 @@ class Faults(ResumeTest):
             file = os.path.join(place, "job.h5")
             # Plain maps are known in size, compressed ones grow.
             errors = self.run_sweep(2, output=file, codes=(1,))
-            self.assert_told_once(errors, "job.h5.partial.new needs 14.71 MB", "4.19 MB (4190208 bytes) are available",
+            self.assert_told_once(errors, "job.h5.partial.new needs at least 14.71 MB", "4.19 MB (4190208 bytes) are available",
                                   "output.storage", "output.fields", "output.compression", "lattice.increment")
             self.assertEqual(os.listdir(place), [])
             errors = self.run_sweep(3, *COMPRESSED, output=file, codes=(1,))
