@@ -62,7 +62,7 @@ def main():
         _, _, steps, speed, r1, r2, r3 = results[name][0]
         print(f"| {name} | {nanoseconds:.0f} | {nanoseconds / none:.2f} | {steps:.1f} | "
               f"{speed:.6f} | {r1:g}, {r2:g}, {r3:g} |")
-    print("\n| field beside speed and status | ns per design | ratio | bytes of the archive |\n"
+    print("\n| field, in addition to speed and status | ns per design | ratio | bytes of the archive |\n"
           "|---|---|---|---|")
     for name in ["none", *(name for name in cases if name not in EFFECTS)]:
         nanoseconds = statistics.median(result[0] for result in results[name])
