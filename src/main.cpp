@@ -59,8 +59,7 @@ int run_sweep(const CommandLine& line, const std::string& command) {
   else if (summary)
     print_summary(*summary, job);
   else
-    fmt::print(stderr,
-               "{} holds the complete archive of this job; --overwrite computes it again\n",
+    fmt::print(stderr, "{} holds the complete archive of this job; --overwrite computes it again\n",
                job.output.file);
   std::fflush(stdout);  // the summary comes first
   for (const std::string& doubt : doubts) fmt::print(stderr, "warning: {}\n", doubt);

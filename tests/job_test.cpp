@@ -113,9 +113,9 @@ TEST_CASE("Masses, heights and gravity must be above zero and of a physical magn
     for (const std::string value : {"0", "-1", "nan", "inf", "-inf", "1e999", "1e300", "2e12",
                                     "1e-13", "1 kg", "0x10", "1,5"}) {
       INFO(key << " = " << value);
-      CHECK_THROWS_WITH(
-          parse("[scene]\n" + key + " = " + value),
-          contains("scene." + key + " = " + value + ": must be a number above 0, from 1e-12 to 1e+12"));
+      CHECK_THROWS_WITH(parse("[scene]\n" + key + " = " + value),
+                        contains("scene." + key + " = " + value +
+                                 ": must be a number above 0, from 1e-12 to 1e+12"));
     }
 }
 
