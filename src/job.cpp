@@ -37,11 +37,11 @@ std::string key_of(const std::string& name) { return name.substr(name.find('.') 
 /// The values that a job file gives, scene_file among them.
 Values parse_values(const std::string& text, const std::string& name) {
   Values values;
-  for (const auto& [key_name, assignment] : parse_config(text, name)) {
-    const auto has_name = [&](const Key& key) { return key.name == key_name; };
-    if (key_name != scene_file && std::none_of(job_keys().begin(), job_keys().end(), has_name))
-      refuse_unknown(key_name);
-    values[key_name] = assignment.value;
+  for (const auto& [given, assignment] : parse_config(text, name)) {
+    const auto is_given = [&given = given](const Key& key) { return key.name == given; };
+    if (given != scene_file && std::none_of(job_keys().begin(), job_keys().end(), is_given))
+      refuse_unknown(given);
+    values[given] = assignment.value;
   }
   return values;
 }

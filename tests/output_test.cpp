@@ -107,7 +107,7 @@ TEST_CASE("Places that cannot hold a file are refused by name") {
   CHECK_THROWS_WITH(prepare_output(job_in(folder.path / std::string(300, 'x')), false),
                     contains("cannot write in") && contains("too long"));
   // Names that are short enough, while those of the files next to them are not.
-  for (const std::size_t length : {244, 248, 251, 255})
+  for (const std::size_t length : {244u, 248u, 251u, 255u})
     CHECK_THROWS_AS(prepare_output(job_in(folder.path / std::string(length, 'x')), false),
                     InputError);
   const std::size_t left = 200 - folder.path.string().size() - 1;
