@@ -142,24 +142,19 @@ class Archive:
                         values)
 
     def optimum(self):
-        """({axis: value in m}, m/s) of the fastest design so far, or None if there is none."""
-        with reading(self.path, "is damaged"):
-            if not self.complete:
-                return self._optimum_of_tiles()
-            best = {name: float(self.attributes[f"best_{name}"]) for name in AXES}
-            speed = float(self.attributes["best_speed"])
-            return None if np.isnan([*best.values(), speed]).any() else (best, speed)
+        """({axis: value in m}, m/s) of the fastest design so far, or None if there is none.
 
-    def _optimum_of_tiles(self):
-        """The optimum of the tiles that are done, as the program has found it."""
-        tally = self.file["tile_tally"]
-        columns = str(tally.attrs["columns"]).split()
-        rows = dict(zip(columns, tally[...][self.done].T))
-        speeds, cells = rows["best_speed"], rows["best_cell"]
-        if not (speeds >= 0).any():
-            return None
-        cell = int(cells[speeds == speeds.max()].min())  # of equals the first, like the program
-        return self.design(np.unravel_index(cell, self.shape)), float(speeds.max())
+        It is that of the tiles that are done: the root attributes have it only after the last one.
+        """
+        with reading(self.path, "is damaged"):
+            tally = self.file["tile_tally"]
+            columns = str(tally.attrs["columns"]).split()
+            rows = dict(zip(columns, tally[...][self.done].T))
+            speeds, cells = rows["best_speed"], rows["best_cell"]
+            if not (speeds >= 0).any():
+                return None
+            cell = int(cells[speeds == speeds.max()].min())  # of equals the first, like the program
+            return self.design(np.unravel_index(cell, self.shape)), float(speeds.max())
 
     def design(self, place):
         """{axis: value in m} of a place in the lattice."""

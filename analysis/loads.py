@@ -81,9 +81,11 @@ def trace(archive, design, program):
         with open(job, "w", encoding="utf-8") as file:
             file.write(archive.attributes["job"])
         lengths = [text for name, value in design.items() for text in (f"--{name}", repr(value))]
+        # Fine enough for the peaks of a swing, whatever the size of the machine.
+        interval = archive.attributes["best_release_time"] / 500
         try:
             with open(table, "w", encoding="utf-8") as file:
-                done = subprocess.run([program, "trace", job, *lengths, "--interval", "0.002"],
+                done = subprocess.run([program, "trace", job, *lengths, "--interval", repr(float(interval))],
                                       stdout=file, stderr=subprocess.PIPE, text=True, check=False)
         except OSError as error:
             fail(f"{program}: cannot be run: {error.strerror}")

@@ -64,6 +64,8 @@ def run(main):
         sys.stdout.flush()
         sys.exit()
     status = os.waitpid(child, 0)[1]
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL:
+        fail(f"{NAME}: was killed; is there enough memory?")
     if os.WIFSIGNALED(status):
         files = " or ".join(filter(is_hdf5, sys.argv[1:]))
         fail(f"{files}: damaged, or of another kind: HDF5 was ended by "

@@ -29,6 +29,8 @@ Table = namedtuple("Table", "rows comments")
 
 def read_table(path):
     """The table at `path`; ends the program if it is none."""
+    if os.path.exists(path) and not os.path.isfile(path):
+        fail(f"{path}: is not a regular file")
     try:
         with open(path, encoding="utf-8") as file:
             lines = file.read().splitlines()

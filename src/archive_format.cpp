@@ -1,10 +1,17 @@
 #include "trebsweep/archive_format.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "trebsweep/hdf5.hpp"
 
 namespace trebsweep {
+
+std::string dataset_name(Field field) {
+  std::string name(info(field).name);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
 
 void write_attributes(hid_t file, const Attributes& attributes) {
   for (const auto& [name, value] : attributes)

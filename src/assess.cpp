@@ -409,9 +409,9 @@ Table advice_table(const std::vector<Case>& cases, const std::vector<Row>& rows,
   return table;
 }
 
-void write_file(const std::filesystem::path& path, const std::vector<Table>& tables, const Job& job,
+void write_file(const Place& place, const std::vector<Table>& tables, const Job& job,
                 const AssessOptions& options, std::uint64_t ranks) {
-  const auto partial = new_path(path);  // the lock keeps others from it
+  const auto partial = new_path(place.path);  // the lock keeps others from it
   const std::string what = "write " + partial.string();
   hdf5::silence();
   std::filesystem::remove(partial);
@@ -423,7 +423,7 @@ void write_file(const std::filesystem::path& path, const std::vector<Table>& tab
   hdf5::write_attribute(file, "job", to_text(job, true));
   for (const Table& table : tables) write(file, table);
   file.close(what);
-  std::filesystem::rename(partial, path);
+  rename_new(partial, place.path, place.replaces);
 }
 
 }  // namespace
@@ -458,7 +458,7 @@ std::vector<Table> assess(const Job& job, const AssessOptions& options, MPI_Comm
   tables.push_back(lattice_table(cases.front(), rows, job.assess, comm));
   tables.push_back(advice_table(cases, rows, job.assess.target_error));
   mpi::on_root(comm, [&] {
-    write_file(place.path, tables, job, options, static_cast<std::uint64_t>(mpi::size(comm)));
+    write_file(place, tables, job, options, static_cast<std::uint64_t>(mpi::size(comm)));
   });
   tell("done");
   return tables;

@@ -62,7 +62,8 @@ std::vector<Case> make_cases(const Job& job, MPI_Comm comm) {
   const auto add = [&](const std::vector<std::string>& paths, bool extreme) {
     for (const std::string& path : paths) {
       cases.push_back(make_case(std::filesystem::path(path).stem().string(),
-                                load_job(path, {}, comm), extreme, job.assess.designs, comm));
+                                load_job(path, job.assess.overrides, comm), extreme,
+                                job.assess.designs, comm));
     }
   };
   add(job.assess.scenes, false);

@@ -101,7 +101,9 @@ po::options_description command_options(Command command) {
   add("help,h", "this text");
   if (command == Command::info) return options;
   if (command != Command::trace) {
-    add("overwrite", "replace the archive, or the unfinished one, that is there");
+    add("overwrite", command == Command::sweep
+                         ? "replace the archive, or the unfinished one, that is there"
+                         : "replace the archive that is there");
     add("progress", po::value<std::string>()->value_name("STYLE"),
         "on stderr: auto, bar, lines or none");
     if (command == Command::sweep)

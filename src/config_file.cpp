@@ -34,12 +34,13 @@ Line without_comment(const std::string& line) {
   return result;
 }
 
-/// The line number of every key. Boost's own messages lack these, and its message about a malformed
-/// line never ends if the line contains one of its placeholders, such as %invalid_line%.
-std::map<std::string, int> key_lines(const std::string& text, const std::string& name) {
+/// Refuses lines that Boost would misread or accept. Its own messages lack line numbers, and its
+/// message about a malformed line never ends if the line contains one of its placeholders, such as
+/// %invalid_line%.
+void check_lines(const std::string& text, const std::string& name) {
   const auto refuse_line = [&](int number, const std::string& line, const std::string& why) {
-    throw InputError(
-        fmt::format("job file {}: line {}, '{}', {}", name, number, shortened(line), why));
+    throw InputError(fmt::format("job file {}: line {}, '{}', {}", shortened(name), number,
+                                 shortened(line), why));
   };
   std::map<std::string, int> lines;
   std::istringstream stream(text);
@@ -50,20 +51,20 @@ std::map<std::string, int> key_lines(const std::string& text, const std::string&
     const auto equals = content.find('=');
     if (content.size() > 2 && content.starts_with('[') && content.ends_with(']')) {
       section = content.substr(1, content.size() - 2);
+      if (!section.ends_with('.')) section += '.';  // as Boost does
     } else if (equals == content.npos) {
       refuse_line(number, content, "is neither [section] nor key = value");
     } else if (hash_in_value) {
       refuse_line(number, boost::trim_copy(line),
                   "has a # inside a value: a comment must be set off by a blank");
     } else {
-      const std::string key = section + "." + boost::trim_copy(content.substr(0, equals));
+      const std::string key = section + boost::trim_copy(content.substr(0, equals));
       const auto [first, is_new] = lines.emplace(key, number);
       if (!is_new)
-        throw InputError(fmt::format("job file {}: {} is given twice, in lines {} and {}", name,
-                                     shortened(key), first->second, number));
+        throw InputError(fmt::format("job file {}: {} is given twice, in lines {} and {}",
+                                     shortened(name), shortened(key), first->second, number));
     }
   }
-  return lines;
 }
 
 bool is_binary(const std::string& text) {
@@ -74,31 +75,25 @@ bool is_binary(const std::string& text) {
 
 }  // namespace
 
-Assignments parse_config(const std::string& text, const std::string& name) {
-  const auto lines = key_lines(text, name);
-  Assignments assignments;
+std::map<std::string, std::string> parse_config(const std::string& text, const std::string& name) {
+  check_lines(text, name);
+  std::map<std::string, std::string> values;
   try {
     std::istringstream stream(text);
     const bool allow_unregistered = true;
     const auto parsed =
         po::parse_config_file(stream, po::options_description(), allow_unregistered);
-    for (const auto& option : parsed.options) {
-      // Boost knows no section before the first [section] line.
-      const auto line =
-          lines.find(option.string_key.find('.') == std::string::npos ? "." + option.string_key
-                                                                      : option.string_key);
-      assignments[option.string_key] = {option.value.at(0), line == lines.end() ? 0 : line->second};
-    }
+    for (const auto& option : parsed.options) values[option.string_key] = option.value.at(0);
   } catch (const po::error& error) {
     throw InputError(fmt::format("job file {}: {}", name, error.what()));
   }
-  return assignments;
+  return values;
 }
 
-std::string read_job_file(const std::string& path) {
+std::string read_job_file(const std::string& path, const std::string& what) {
   const auto refuse_file = [&](const std::string& why) {
-    throw InputError(fmt::format("job file {}: {}; give the path of a readable text file",
-                                 shortened(path), why));
+    throw InputError(
+        fmt::format("{}{}: {}; give the path of a readable text file", what, shortened(path), why));
   };
   namespace fs = std::filesystem;
   std::error_code unknown;  // opening the file gives the reason

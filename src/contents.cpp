@@ -10,6 +10,7 @@
 #include "trebsweep/archive_format.hpp"
 #include "trebsweep/child.hpp"
 #include "trebsweep/hdf5.hpp"
+#include "trebsweep/job.hpp"
 
 namespace trebsweep {
 namespace {
@@ -68,11 +69,15 @@ Archived read_archived(const std::filesystem::path& path) {
   const hdf5::File file = open_file(path);
   if (!read_text(file, "source").starts_with("trebsweep ")) damaged("made by another program");
   Archived archived{.job = read_text(file, "job"),
-                    .is_sweep = H5Lexists(file, "tile_done", H5P_DEFAULT) > 0};
+                    .is_sweep = H5Lexists(file, "tile_done", H5P_DEFAULT) > 0,
+                    .replaces = {}};
   if (archived.is_sweep) {
     const auto done = hdf5::read_numbers(file, "tile_done");
     archived.tiles = done.size();
     archived.tiles_done = count_done(done);
+    if (H5Aexists(file, "replaces") > 0) archived.replaces = read_text(file, "replaces");
+  } else if (H5Lexists(file, "accuracy", H5P_DEFAULT) <= 0) {
+    damaged("neither a sweep nor an assessment");
   }
   return archived;
 }
@@ -86,6 +91,15 @@ AssessmentContents read_assessment_here(const std::filesystem::path& path) {
   for (const std::string& name : hdf5::link_names(file))
     if (is_text(name)) contents.tables.push_back(name);
   return contents;
+}
+
+/// Throws where a map that the archive's job asks for is missing or has another extent.
+void check_maps(hid_t file, const Contents& contents) {
+  const auto& [r1, r3, r2] = contents.axes;
+  const std::vector<hsize_t> extents{r1.size(), r3.size(), r2.size()};
+  for (const Field field : parse_job(contents.job, "archive", {}).output.fields)
+    if (hdf5::extents(hdf5::open_dataset(file, dataset_name(field))) != extents)
+      damaged(fmt::format("map {} does not fit its axes", dataset_name(field)));
 }
 
 Contents read(const std::filesystem::path& path) {
@@ -118,6 +132,7 @@ Contents read(const std::filesystem::path& path) {
   contents.tiles = done.size();
   contents.tiles_done = count_done(done);
   contents.tally = read_tally(file, contents.tiles, contents.tiles_done, cells);
+  check_maps(file, contents);
   return contents;
 }
 

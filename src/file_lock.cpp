@@ -118,7 +118,8 @@ FileLock::FileLock(const fs::path& path) : path_(path) {
                       "file",
                       path.string()));
     const std::string former = holder(file_);
-    own_ = created || !read_text(file_).empty();
+    was_left_ = !created && !read_text(file_).empty();
+    own_ = created || was_left_;
     const Taken taken = take(file_);
     if (taken == Taken::no)
       refuse(fmt::format("another run is writing it: {} is held by {}", path.string(), former));

@@ -12,6 +12,7 @@
 #include "trebsweep/error.hpp"
 #include "trebsweep/file_lock.hpp"
 #include "trebsweep/job.hpp"
+#include "trebsweep/number.hpp"
 #include "trebsweep/partial.hpp"
 #include "trebsweep/regular_file.hpp"
 
@@ -24,14 +25,15 @@ namespace fs = std::filesystem;
 fs::path final_path(const fs::path& partial) { return fs::path(partial).replace_extension(); }
 
 /// How far an archive is, and what is to be done with it if it is unfinished or has another name.
-std::string state(const fs::path& path, const Contents& contents) {
+std::string state(const fs::path& given, const Contents& contents) {
+  const fs::path path = follow_links(given);
   const bool partial = path.extension() == ".partial";
   const fs::path name = partial ? final_path(path) : path;
   const auto writer = lock_holder(name.string() + ".lock");
   if (contents.complete() && !partial) return "complete";
   const std::string progress =
       contents.complete()
-          ? "complete, without its name"
+          ? "complete, not yet renamed"
           : fmt::format("unfinished, {:.1f} % of the tiles done",
                         100 * static_cast<double>(contents.tiles_done) /
                             static_cast<double>(std::max<std::uint64_t>(1, contents.tiles)));
@@ -65,14 +67,14 @@ std::string describe_sweep(const fs::path& path) {
 
 /// The archive of that name, or the partial file that will have it.
 fs::path find(const fs::path& given) {
-  std::error_code unknown;
-  if (fs::exists(given, unknown)) return given;
   try {
+    if (fs::exists(given)) return given;
     if (const auto partial = partial_path(follow_links(given)); fs::exists(partial)) return partial;
   } catch (const std::system_error&) {
     // Links in a circle, or a name that no file can have.
   }
-  throw InputError(fmt::format("{}: no such file; give the path of an archive", given.string()));
+  throw InputError(
+      fmt::format("{}: no such file; give the path of an archive", shortened(given.string())));
 }
 
 }  // namespace

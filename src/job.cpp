@@ -26,7 +26,11 @@ std::string key_of(const std::string& name) { return name.substr(name.find('.') 
   for (const Key& key : job_keys())
     if (key.section() == section) known.push_back(key_of(key.name));
   if (section == "scene") known.push_back("file");
-  if (known.empty() || section == name)
+  if (section == name)
+    throw InputError(fmt::format(
+        "{}: stands before any [section]; the sections are scene, lattice, solver, output, assess",
+        shortened(name)));
+  if (known.empty())
     throw InputError(
         fmt::format("{}: unknown key; the sections are scene, lattice, solver, output, assess",
                     shortened(name)));
@@ -36,19 +40,18 @@ std::string key_of(const std::string& name) { return name.substr(name.find('.') 
 
 /// The values that a job file gives, scene_file among them.
 Values parse_values(const std::string& text, const std::string& name) {
-  Values values;
-  for (const auto& [given, assignment] : parse_config(text, name)) {
+  const Values values = parse_config(text, name);
+  for (const auto& [given, value] : values) {
     const auto is_given = [&given = given](const Key& key) { return key.name == given; };
     if (given != scene_file && std::none_of(job_keys().begin(), job_keys().end(), is_given))
       refuse_unknown(given);
-    values[given] = assignment.value;
   }
   return values;
 }
 
 /// The values that a scene file gives.
 Values read_scene_file(const std::string& path) {
-  const Values values = parse_values(read_job_file(path), path);
+  const Values values = parse_values(read_job_file(path, scene_file + " = "), path);
   for (const auto& [name, value] : values) {
     if (name == scene_file)
       refuse(scene_file, path,
@@ -171,9 +174,9 @@ std::string scene_text(const Job& job) {
     if (key.section() == "scene" && key.get(job) != key.get(defaults))
       differing.push_back(fmt::format("{} = {}", key_of(key.name), key.get(job)));
   const std::string files = fmt::format("{}", fmt::join(job.scene_files, ", "));
-  return fmt::format("{}{}{}", files, files.empty() ? "" : ": ",
-                     differing.empty() ? "the paper's (all keys at their defaults)"
-                                       : fmt::format("{}", fmt::join(differing, ", ")));
+  return printable(fmt::format("{}{}{}", files, files.empty() ? "" : ": ",
+                               differing.empty() ? "the paper's (all keys at their defaults)"
+                                                 : fmt::format("{}", fmt::join(differing, ", "))));
 }
 
 std::string solver_text(const Solver& solver) {

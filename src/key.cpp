@@ -89,14 +89,23 @@ Key numbers(const std::string& name, const std::string& help, const Range& range
           [=](const Job& job) { return fmt::format("{}", fmt::join(job.assess.*member, ", ")); }};
 }
 
+/// Whether a path stays the same in the text of a job, where a # begins a comment.
+bool can_be_read_back(const std::string& path) {
+  return !path.empty() && path == boost::trim_copy(path) &&
+         path.find_first_of("#\n\r\"") == std::string::npos;
+}
+
 /// A key with a list of paths.
 Key paths(const std::string& name, const std::string& help,
           std::vector<std::string> Assessment::*member) {
   return {name, help,
           [=](Job& job, const std::string& value) {
             (job.assess.*member).clear();
-            for (const std::string& word : to_words(value))
-              if (!word.empty()) (job.assess.*member).push_back(word);
+            for (const std::string& word : to_words(value)) {
+              if (word.empty()) continue;
+              if (!can_be_read_back(word)) refuse(name, word, "a path without # and quotes");
+              (job.assess.*member).push_back(word);
+            }
           },
           [=](const Job& job) { return fmt::format("{}", fmt::join(job.assess.*member, ", ")); }};
 }
@@ -136,8 +145,8 @@ Key steppers_key() {
 
 /// Refuses an axis that does not end with its last value.
 void check_steps(const std::string& key, const std::string& value, const AxisRange& axis) {
-  constexpr double rounding = 1e-6;  // of a step
   const double steps = (axis.last - axis.first) / axis.step;
+  const double rounding = 1e-9 + 1e-15 * axis.last / axis.step;  // of decimals, in steps
   if (std::abs(steps - std::round(steps)) <= rounding) return;
   const auto at = [&](double n) { return axis.first + n * axis.step; };
   refuse(key, value,
@@ -201,9 +210,9 @@ Key file_key() {
   return {"output.file",
           "path of the archive; by default the job file's name with .h5, in the current folder",
           [](Job& job, const std::string& value) {
-            // In a job file a # begins a comment: the job's text could not be read back.
-            if (value.empty() || value.find_first_of("#\n") != std::string::npos)
-              refuse("output.file", value, "a path without # and line breaks");
+            if (!can_be_read_back(value))
+              refuse("output.file", value,
+                     "a path without #, quotes and line breaks, and without blanks at its ends");
             job.output.file = value;
           },
           [](const Job& job) { return job.output.file; }};

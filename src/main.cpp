@@ -2,12 +2,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <thread>
@@ -19,6 +20,7 @@
 #include "trebsweep/kernel.hpp"
 #include "trebsweep/load_job.hpp"
 #include "trebsweep/mpi.hpp"
+#include "trebsweep/number.hpp"
 #include "trebsweep/stop_signals.hpp"
 #include "trebsweep/sweep.hpp"
 #include "trebsweep/trace.hpp"
@@ -38,32 +40,42 @@ void print_summary(const Summary& summary, const Job& job) {
              ranks == 1 ? "rank" : "ranks", job.output.file);
 }
 
+void print_warnings(const Job& job, const Summary& summary, const std::function<bool()>& stop) {
+  const Lattice lattice(job.scene, job.lattice);
+  for (const std::string& line : warnings(job, lattice, summary, stop, MPI_COMM_WORLD))
+    if (mpi::rank(MPI_COMM_WORLD) == 0) fmt::print(stderr, "warning: {}\n", line);
+}
+
 /// Returns the exit code.
-int run_sweep(const CommandLine& line, const std::string& command) {
+int run_sweep(const CommandLine& line, const std::string& command, const StopSignals& signals) {
   const double deadline = MPI_Wtime() + line.time_limit;
-  const StopSignals signals;
   const Job job = load_job(line.job_file, line.overrides, MPI_COMM_WORLD);
+  const auto stop = [&] { return signals.came() || MPI_Wtime() >= deadline; };
   const SweepOptions options{
-      .overwrite = line.overwrite, .progress = line.progress, .command = command, .stop = [&] {
-        return signals.came() || MPI_Wtime() >= deadline;
-      }};
+      .overwrite = line.overwrite, .progress = line.progress, .command = command, .stop = stop};
   const auto summary = sweep(job, options, MPI_COMM_WORLD);
-  const int code = summary && !summary->complete ? stopped_before_the_end : 0;
-  std::vector<std::string> doubts;
-  if (summary && code == 0)
-    doubts = warnings(job, Lattice(job.scene, job.lattice), *summary, MPI_COMM_WORLD);
-  if (mpi::rank(MPI_COMM_WORLD) != 0) return code;
-  if (code != 0)
+  const bool root = mpi::rank(MPI_COMM_WORLD) == 0;
+  if (!summary) {
+    if (root)
+      fmt::print(stderr,
+                 "{} holds the complete archive of this job; --overwrite computes it again\n",
+                 job.output.file);
+    return 0;
+  }
+  if (summary->complete) {
+    if (root) print_summary(*summary, job);
+    std::fflush(stdout);  // a failure is seen at the end
+    print_warnings(job, *summary, stop);
+    return 0;
+  }
+  if (root && summary->begun)
     fmt::print(stderr, "trebsweep: stopped with {} designs done; the same command continues{}\n",
-               summary->designs(), line.overwrite && summary->begun ? ", without --overwrite" : "");
-  else if (summary)
-    print_summary(*summary, job);
-  else
-    fmt::print(stderr, "{} holds the complete archive of this job; --overwrite computes it again\n",
-               job.output.file);
-  std::fflush(stdout);  // the summary comes first
-  for (const std::string& doubt : doubts) fmt::print(stderr, "warning: {}\n", doubt);
-  return code;
+               summary->designs(), line.overwrite ? ", without --overwrite" : "");
+  else if (root)
+    fmt::print(stderr,
+               "trebsweep: stopped with 0 designs done, before the archive was created; the same "
+               "command starts again, and needs more time\n");
+  return stopped_before_the_end;
 }
 
 void run_trace(const CommandLine& line, const Job& job) {
@@ -85,11 +97,15 @@ void run_assess(const CommandLine& line, const Job& job, const std::string& comm
 }
 
 /// A command that all ranks run together. Returns the exit code.
-int run_parallel(int argc, char** argv) {
+int run_parallel(int argc, char** argv, const std::optional<StopSignals>& signals) {
   const CommandLine line = parse_command_line(argc, argv);
   const std::string command = fmt::format("{}", fmt::join(std::span(argv, argv + argc), " "));
-  if (line.command == Command::sweep) return run_sweep(line, command);
-  run_assess(line, load_job(line.job_file, line.overrides, MPI_COMM_WORLD), command);
+  if (signals) return run_sweep(line, command, *signals);
+  Job job = load_job(line.job_file, line.overrides, MPI_COMM_WORLD);
+  for (const auto& [name, value] : line.overrides)
+    if (!name.starts_with("assess.") && !name.starts_with("output."))
+      job.assess.overrides[name] = value;
+  run_assess(line, job, command);
   return 0;
 }
 
@@ -107,7 +123,8 @@ void run_serial(int argc, char** argv) {
       return run_trace(line, load_job(line.job_file, line.overrides));
     case Command::sweep:
     case Command::assess:
-      throw std::logic_error("a command for MPI");
+      throw InputError(fmt::format("{}: give a job file of that name as ./{}",
+                                   shortened(line.job_file), shortened(line.job_file)));
   }
 }
 
@@ -151,13 +168,6 @@ bool is_other_rank() {
   }
 }
 
-/// A message on one line, without control characters, which a terminal would obey.
-std::string one_line(std::string text) {
-  const auto is_control = [](unsigned char c) { return std::iscntrl(c) != 0; };
-  std::replace_if(text.begin(), text.end(), is_control, '?');
-  return text;
-}
-
 /// Runs f, which returns the exit code. An error in the user's input is printed if `tell`.
 template <class F>
 int exit_code(bool tell, F f) {
@@ -167,7 +177,7 @@ int exit_code(bool tell, F f) {
     std::perror("trebsweep: cannot write to stdout");
     return 1;
   } catch (const InputError& error) {
-    if (tell) fmt::print(stderr, "trebsweep: {}\n", one_line(error.what()));
+    if (tell) fmt::print(stderr, "trebsweep: {}\n", printable(error.what()));
     return 2;
   }
 }
@@ -184,6 +194,9 @@ int serial_main(int argc, char** argv) {
 
 /// Returns the exit code.
 int parallel_main(int argc, char** argv) {
+  // A signal may come while MPI starts.
+  std::optional<StopSignals> signals;
+  if (argv[1] == std::string_view("sweep")) signals.emplace();
   const mpi::Environment environment(argc, argv);
   // Failures of one rank are not caught: unwinding would close the archive, which waits for all
   // ranks, while the others are elsewhere.
@@ -191,7 +204,7 @@ int parallel_main(int argc, char** argv) {
   const int rank = mpi::rank(MPI_COMM_WORLD);
   try {
     // An InputError is thrown on every rank; rank 0 prints it.
-    return exit_code(rank == 0, [&] { return run_parallel(argc, argv); });
+    return exit_code(rank == 0, [&] { return run_parallel(argc, argv, signals); });
   } catch (const mpi::RootError& error) {
     if (rank == 0) end_all_ranks(error, "");
     MPI_Barrier(MPI_COMM_WORLD);  // until rank 0 ends it

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 
 #include "trebsweep/error.hpp"
@@ -12,6 +14,12 @@ namespace trebsweep {
 std::string shortened(const std::string& text) {
   constexpr std::size_t most = 200;
   return text.size() <= most ? text : text.substr(0, most) + "...";
+}
+
+std::string printable(std::string text) {
+  const auto is_control = [](unsigned char c) { return std::iscntrl(c) != 0; };
+  std::replace_if(text.begin(), text.end(), is_control, '?');
+  return text;
 }
 
 void refuse(const std::string& key, const std::string& value, const std::string& allowed) {

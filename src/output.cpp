@@ -136,14 +136,16 @@ std::unique_ptr<FileLock> take_lock(const Job& job, const fs::path& path) {
     refuse_file(
         job, fmt::format("cannot write {}: {}", lock_path(path).string(), error.code().message()));
   }
-  // A killed run leaves an empty file there, or one that starts as every HDF5 file.
+  // A killed run leaves its lock, and an empty file there or one that starts as every HDF5 file.
   constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
   std::array<char, signature.size()> start{};
   std::ifstream file(new_path(path), std::ios::binary);
   file.read(start.data(), start.size());
-  if (file.gcount() > 0 && std::string_view(start.data(), start.size()) != signature)
+  const bool is_hdf5 = std::string_view(start.data(), start.size()) == signature;
+  if (file.gcount() > 0 && !(is_hdf5 && lock->was_left()))
     refuse_file(job,
-                fmt::format("{} is there and is no archive; move it away, or name another file",
+                fmt::format("{} is there and was not left by an interrupted run; move it away, "
+                            "or name another file",
                             new_path(path).string()));
   return lock;
 }
@@ -169,19 +171,44 @@ std::optional<Archived> find_partial(const Job& job, const fs::path& path) {
   return begun;
 }
 
-/// Throws InputError where an archive is not the complete one of this very job.
-void require_same(const Job& job, const fs::path& path, const Archived& archived) {
-  const auto refuse = [&](const std::string& what, const std::string& remedy) {
-    refuse_file(job, fmt::format("holds {}; {}, or replace it with --overwrite", what, remedy));
+/// Throws InputError where an archive is not the complete one of this very job. `remedy` says what
+/// to do about another one.
+void require_same(const Job& job, const fs::path& path, const Archived& archived,
+                  const std::string& remedy) {
+  const auto refuse = [&](const std::string& what, const std::string& what_to_do) {
+    refuse_file(job, fmt::format("holds {}; {}, or replace it with --overwrite", what, what_to_do));
   };
-  if (!archived.is_sweep) refuse("an assessment", "name another file");
+  if (!archived.is_sweep) refuse("an assessment", remedy);
   if (!same_job(job, archived))
     refuse(fmt::format("the {}archive of another job", archived.complete() ? "" : "unfinished "),
-           "name another file");
+           remedy);
   if (!archived.complete())
     refuse(fmt::format("an unfinished archive of this job, {} of {} tiles done",
                        archived.tiles_done, archived.tiles),
-           fmt::format("rename it to {} to continue it", partial_path(path).string()));
+           fs::exists(partial_path(path))
+               ? remedy
+               : fmt::format("rename it to {} to continue it", partial_path(path).string()));
+  try {
+    read_contents(path);
+  } catch (const std::system_error&) {
+    throw;  // nothing is known of the file
+  } catch (const std::runtime_error& error) {
+    refuse(fmt::format("an archive of this job that cannot be used ({})", error.what()), remedy);
+  }
+}
+
+/// Whether the complete archive of this very job is there. Throws InputError where another archive
+/// is there that may not be replaced.
+bool is_complete(const Job& job, const fs::path& path, bool overwrite,
+                 const std::optional<Archived>& begun) {
+  const auto archived = find_archive(job, path);
+  // A partial file that was begun with --overwrite may replace the archive of that time alone.
+  const bool continued = begun && same_job(job, *begun);
+  const bool may_replace = overwrite || (continued && begun->replaces == file_identity(path));
+  if (!archived || may_replace) return false;
+  require_same(job, path, *archived,
+               continued ? "move it away to continue the unfinished sweep" : "name another file");
+  return true;
 }
 
 }  // namespace
@@ -189,22 +216,14 @@ void require_same(const Job& job, const fs::path& path, const Archived& archived
 Place prepare_output(const Job& job, bool overwrite) {
   Place place;
   place.path = check_names(job);
-  const auto look = [&] {
-    const auto archived = find_archive(job, place.path);
-    const auto begun = find_partial(job, place.path);
-    // Under another archive's name there is an unfinished one only where that may be replaced.
-    const bool continued = !overwrite && begun && same_job(job, *begun);
-    if (archived && !continued && !overwrite) {
-      require_same(job, place.path, *archived);
-      place.complete = true;
-    }
-    place.replaces = archived && !place.complete;
-    return begun.has_value();
-  };
-  look();
+  // Where nothing remains to be done, nothing is locked.
+  place.complete = !fs::exists(partial_path(place.path)) &&
+                   is_complete(job, place.path, overwrite, std::nullopt);
   if (place.complete) return place;
   place.lock = take_lock(job, place.path);
-  const bool begun = look();  // another sweep may have finished meanwhile
+  const auto begun = find_partial(job, place.path);
+  place.complete = is_complete(job, place.path, overwrite, begun);
+  place.replaces = file_identity(place.path);
   if (place.complete)
     place.lock.reset();
   else if (begun && !overwrite)
@@ -216,9 +235,9 @@ Place reserve_output(const Job& job, bool overwrite) {
   Place place;
   place.path = check_names(job);
   place.lock = take_lock(job, place.path);
-  place.replaces = find_archive(job, place.path).has_value();
-  if (place.replaces && !overwrite)
+  if (find_archive(job, place.path) && !overwrite)
     refuse_file(job, "is there already; name another file, or replace it with --overwrite");
+  place.replaces = file_identity(place.path);
   if (fs::exists(partial_path(place.path)))
     refuse_file(job, fmt::format("{} holds an unfinished sweep; name another file",
                                  partial_path(place.path).string()));

@@ -11,6 +11,7 @@
 #include "trebsweep/free_space.hpp"
 #include "trebsweep/hdf5.hpp"
 #include "trebsweep/mpi.hpp"
+#include "trebsweep/regular_file.hpp"
 
 namespace trebsweep {
 namespace {
@@ -105,6 +106,7 @@ std::optional<RunMark> create_partial(const fs::path& path, const Skeleton& skel
                              [&](double share) { return watch(skeleton_share * share); });
     });
     mark = mpi::from_root(mark, comm);
+    if (mark) require_visible(unnamed, comm);
     const auto fill_watch = [&](double share) {
       return watch(skeleton_share + (1 - skeleton_share) * share);
     };
@@ -114,7 +116,7 @@ std::optional<RunMark> create_partial(const fs::path& path, const Skeleton& skel
       check_mark(*mark, unnamed);
       fs::rename(unnamed, partial_path(path));
     });
-  } catch (...) {
+  } catch (const mpi::RootError&) {  // thrown on all ranks; others end the program
     remove();
     throw;
   }
@@ -145,15 +147,28 @@ RunMark continue_partial(const fs::path& path, const Tiling& tiling,
   return mark;
 }
 
-void finish(const fs::path& path, const RunMark& mark, bool replace) {
-  const fs::path partial = partial_path(path);
-  check_mark(mark, partial);
-  if (!replace && fs::exists(fs::symlink_status(path)))
+void require_visible(const fs::path& path, MPI_Comm comm) {
+  mpi::on_all(comm, [&] {
+    if (!fs::exists(path))
+      throw std::runtime_error(
+          fmt::format("rank {} does not see {}: all ranks must work in one folder of a file system "
+                      "that they share",
+                      mpi::rank(comm), path.string()));
+  });
+}
+
+void finish(const fs::path& path, const RunMark& mark, const std::string& replaces) {
+  check_mark(mark, partial_path(path));
+  rename_new(partial_path(path), path, replaces);
+}
+
+void rename_new(const fs::path& from, const fs::path& to, const std::string& replaces) {
+  if (fs::exists(fs::symlink_status(to)) && file_identity(to) != replaces)
     throw std::runtime_error(fmt::format(
-        "cannot rename {} to {}: a file of that name has come meanwhile; move it away, and the "
-        "same command will finish",
-        partial.string(), path.string()));
-  fs::rename(partial, path);
+        "cannot rename {} to {}: a file of that name has appeared in the meantime; move "
+        "it away, and the same command will finish",
+        from.string(), to.string()));
+  fs::rename(from, to);
 }
 
 void write_in(const fs::path& partial, const std::function<void()>& f) {

@@ -50,8 +50,9 @@ void Progress::update(std::uint64_t done) {
   const double share = static_cast<double>(done) / static_cast<double>(total_);
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const double pace = static_cast<double>(done - before_) / elapsed;
-  const std::string time = complete
-                               ? "in " + clock_text(elapsed)
+  const std::string time = complete ? "in " + clock_text(elapsed)
+                           : done == before_
+                               ? ""  // no pace yet
                                : clock_text(static_cast<double>(total_ - done) / pace) + " left";
   const std::string numbers =
       fmt::format("{:3.0f} %  {} of {} {}  {}", 100 * share, done, total_, unit_, time);

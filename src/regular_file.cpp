@@ -1,5 +1,9 @@
 #include "trebsweep/regular_file.hpp"
 
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <cerrno>
 #include <system_error>
 
 namespace trebsweep {
@@ -31,6 +35,15 @@ std::optional<std::string> irregular_kind(const fs::file_status& status) {
 std::optional<std::string> irregular_kind(const fs::path& path) {
   std::error_code unknown;  // then opening it tells why
   return irregular_kind(fs::status(path, unknown));
+}
+
+std::string file_identity(const fs::path& path) {
+  struct stat found {};
+  if (stat(path.c_str(), &found) == 0)
+    return fmt::format("inode {}, {} bytes, changed at {}.{:09}", found.st_ino, found.st_size,
+                       found.st_mtim.tv_sec, found.st_mtim.tv_nsec);
+  if (errno == ENOENT) return "";
+  throw std::system_error(errno, std::generic_category(), path.string());
 }
 
 fs::path follow_links(fs::path path) {

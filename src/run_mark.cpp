@@ -71,7 +71,8 @@ RunMark mark_run(hid_t file, const std::filesystem::path& path) {
 void check_mark(const RunMark& mark, const std::filesystem::path& path) {
   if (!is_marked(mark, path))
     throw std::runtime_error(fmt::format(
-        "another run has taken over {}, or it was moved; this run ends", path.string()));
+        "another run has taken over {}, or it was moved or cannot be read; this run ends",
+        path.string()));
 }
 
 }  // namespace trebsweep

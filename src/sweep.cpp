@@ -32,8 +32,7 @@ std::vector<MapInfo> map_infos(const Output& output) {
   std::vector<MapInfo> maps;
   for (const Field field : output.fields) {
     MapInfo map;
-    map.dataset = std::string(info(field).name);
-    std::replace(map.dataset.begin(), map.dataset.end(), '-', '_');
+    map.dataset = dataset_name(field);
     map.units = std::string(info(field).units);
     map.long_name = std::string(info(field).meaning);
     map.fill = outside_lattice(field);
@@ -100,7 +99,8 @@ Attributes attributes(const Summary& summary) {
 }
 
 /// What an archive says of itself from the first; the summary's numbers follow in their places.
-Attributes attributes(const Job& job, const std::string& history) {
+/// `replaces` is the file_identity() of the archive that it is to replace, if any.
+Attributes attributes(const Job& job, const std::string& history, const std::string& replaces) {
   Attributes all = attributes(Summary{});
   all.insert(all.end(), {{"format_version", archive_format},
                          {"Conventions", std::string("CF-1.10")},
@@ -110,6 +110,7 @@ Attributes attributes(const Job& job, const std::string& history) {
                          {"kernel", std::string(instruction_set())},
                          {"scene", scene_text(job)},
                          {"job", to_text(job)},
+                         {"replaces", replaces},
                          {"history", history}});  // last: when it grows, no other text moves
   return all;
 }
@@ -147,12 +148,12 @@ Start find(const Job& job, const Lattice& lattice, const SweepOptions& options, 
   return start;
 }
 
-/// Makes the partial file; collective. Returns the mark of this run, or nothing if told to stop.
+/// Makes the partial file; collective. Returns the mark of this run, or nothing if stopped.
 std::optional<RunMark> make(const std::filesystem::path& path, const Job& job,
                             const Lattice& lattice, const Tiling& tiling,
                             const SweepOptions& options, const std::string& history,
-                            MPI_Comm comm) {
-  const auto all = attributes(job, history);
+                            const std::string& replaces, MPI_Comm comm) {
+  const auto all = attributes(job, history, replaces);
   const auto maps = map_infos(job.output);
   Progress progress(0, tiling.size(), mpi::rank(comm) == 0 ? options.progress : ProgressStyle::none,
                     "tiles created");
@@ -170,7 +171,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   const Lattice lattice(job.scene, job.lattice);
   const auto rank = static_cast<std::uint64_t>(mpi::rank(comm));
   const auto ranks = static_cast<std::uint64_t>(mpi::size(comm));
-  // On rank 0 alone: the place with its lock, and what earlier runs have come to.
+  // On rank 0 alone: the place with its lock, and the results of earlier runs.
   Place place;
   Tally tally;
   Start start;
@@ -184,7 +185,8 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   start = mpi::from_root(start, comm);
   if (start.complete) return std::nullopt;
   const Tiling tiling(lattice, start.edge);
-  if (!start.mark) start.mark = make(path, job, lattice, tiling, options, history, comm);
+  if (!start.mark)
+    start.mark = make(path, job, lattice, tiling, options, history, place.replaces, comm);
   if (!start.mark) {
     Summary summary;
     summary.complete = false;
@@ -192,6 +194,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
     return summary;
   }
 
+  require_visible(partial_path(path), comm);
   Archive archive(path, map_infos(job.output), comm);
 
   std::uint64_t designs_done = tally.designs();  // right on rank 0, which tells it

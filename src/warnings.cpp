@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <span>
 
 #include "trebsweep/integrate.hpp"
 #include "trebsweep/mpi.hpp"
@@ -17,10 +19,14 @@ namespace {
 /// A design that is integrated again.
 struct Check {
   Design<double> design;
-  double speed, efficiency;
+  double speed, efficiency, accurate_speed;
   bool slack;
   Status status, accurate_status;
 };
+
+bool equal(const Design<double>& a, const Design<double>& b) {
+  return a.r1 == b.r1 && a.r3 == b.r3 && a.r2 == b.r2;
+}
 
 std::string text_of(const Design<double>& d) {
   return fmt::format("r1 = {}, r2 = {}, r3 = {} m", d.r1, d.r2, d.r3);
@@ -53,32 +59,46 @@ std::vector<Design<double>> neighbourhood(const Index3& centre, const Lattice& l
   return designs;
 }
 
-/// Integrates designs again, by the job's solver and, if that has a fixed step, accurately.
-/// Collective.
+/// Integrates designs again, by the job's solver and, if that has a fixed step, accurately. Leaves
+/// the rest out after about a second, or if stopped. Collective.
 std::vector<Check> integrate_again(const Job& job, const std::vector<Design<double>>& designs,
-                                   MPI_Comm comm) {
+                                   const std::function<bool()>& stop, MPI_Comm comm) {
   constexpr std::size_t part = 16;  // fills the lanes
+  constexpr double longest = 1;     // s
+  struct Part {
+    std::array<Check, part> checks;
+    std::size_t count;
+  };
   const bool fixed = !follows_tolerance(job.solver.stepper);
+  const double start = MPI_Wtime();
   const auto parts = mpi::share((designs.size() + part - 1) / part, comm, [&](std::size_t p) {
-    const std::size_t first = p * part, count = std::min(part, designs.size() - first);
-    const auto some = std::span(designs).subspan(first, count);
+    Part done{};
+    if (stop() || MPI_Wtime() - start > longest) return done;
+    const auto some =
+        std::span(designs).subspan(p * part, std::min(part, designs.size() - p * part));
+    done.count = some.size();
     const std::array fields{Field::efficiency, Field::slack};
-    std::array<Shot, part> shots, accurately;
-    std::array<double, part * fields.size()> values;
-    integrate(job.scene, job.solver, some, fields, std::span(shots).first(count),
-              std::span(values).first(count * fields.size()));
+    std::vector<Shot> shots(some.size()), accurately(some.size());
+    std::vector<double> values(some.size() * fields.size());
+    integrate(job.scene, job.solver, some, fields, shots, values);
     if (fixed)
-      integrate(job.scene, accurate(job.solver), some, {}, std::span(accurately).first(count), {});
-    std::array<Check, part> checks{};
-    for (std::size_t i = 0; i < count; ++i)
-      checks[i] = {some[i],         shots[i].speed,
-                   values[2 * i],   values[2 * i + 1] == 2,
-                   shots[i].status, fixed ? accurately[i].status : shots[i].status};
-    return checks;
+      integrate(job.scene, accurate(job.solver), some, {}, accurately, {});
+    else
+      accurately = shots;
+    for (std::size_t i = 0; i < some.size(); ++i)
+      done.checks[i] = {.design = some[i],
+                        .speed = shots[i].speed,
+                        .efficiency = values[2 * i],
+                        .accurate_speed = accurately[i].speed,
+                        .slack = values[2 * i + 1] == 2,
+                        .status = shots[i].status,
+                        .accurate_status = accurately[i].status};
+    return done;
   });
   std::vector<Check> checks;
-  for (const auto& some : parts) checks.insert(checks.end(), some.begin(), some.end());
-  checks.resize(designs.size());
+  for (const Part& done : parts)
+    checks.insert(checks.end(), done.checks.begin(),
+                  done.checks.begin() + static_cast<std::ptrdiff_t>(done.count));
   return checks;
 }
 
@@ -92,10 +112,12 @@ std::vector<std::string> bounds_at(const Index3& place, const Job& job, const La
     std::size_t count;
   };
   const LatticeSpec& spec = job.lattice;
+  const bool is_raised = job.scene.release_height > job.scene.fulcrum_height;
   std::size_t row = 0;
   while (row < lattice.extent()[2] && lattice.holds({0, place[1], row})) ++row;
   const std::array<Axis, 3> axes{
-      {{"r1", spec.r1, "h - h0 < r1 (47)", "r1 < h0 (47)", lattice.extent()[0]},
+      {{"r1", spec.r1, is_raised ? "h - h0 < r1 (47)" : "0 < r1", "r1 < h0 (47)",
+        lattice.extent()[0]},
        {"r3", spec.r3, "lattice.shortest-sling", "r3 < h0 (48)", lattice.extent()[1]},
        {"r2", spec.r2, "0 < r2 (49)", "r2 < h0 - r3 (49)", row}}};
   std::vector<std::string> bounds;
@@ -104,16 +126,20 @@ std::vector<std::string> bounds_at(const Index3& place, const Job& job, const La
     const bool largest = place[d] + 1 == axis.count;
     if (lattice.extent()[d] == 1 || (place[d] > 0 && !largest)) continue;
     bounds.push_back(fmt::format(
-        "{} = {} m, the {} by {}", axis.name, lattice.axes()[d][place[d]],
+        "{} = {} m, the {} allowed by {}", axis.name, lattice.axes()[d][place[d]],
         largest ? "largest" : "smallest",
         axis.given ? fmt::format("lattice.{}", axis.name) : (largest ? axis.upper : axis.lower)));
   }
   return bounds;
 }
 
-std::string efficiency_warning(const std::vector<Check>& checks) {
+std::string efficiency_warning(const std::vector<Check>& checks, double best_speed) {
   constexpr double rounding = 1e-6;
-  const auto is_impossible = [](const Check& c) { return c.efficiency > 1 + rounding; };
+  // Of a design that hardly moves, the efficiency is rounding noise over rounding noise.
+  constexpr double moves = 1e-3;
+  const auto is_impossible = [&](const Check& c) {
+    return c.efficiency > 1 + rounding && c.speed > moves * best_speed;
+  };
   const auto count = std::count_if(checks.begin(), checks.end(), is_impossible);
   if (count == 0) return "";
   const auto most =
@@ -137,6 +163,22 @@ std::string status_warning(const std::vector<Check>& checks, const Solver& solve
       name_of(first->accurate_status), name_of(first->status), solver.stepper);
 }
 
+std::string speed_warning(const std::vector<Check>& checks, const Optimum& optimum) {
+  constexpr double noticeable = 0.01;
+  double largest = 0, at_optimum = 0;
+  for (const Check& c : checks) {
+    const double error = std::abs(c.speed - c.accurate_speed);  // NaN where one has no speed
+    if (error > largest) largest = error;
+    if (equal(c.design, optimum.design)) at_optimum = error;
+  }
+  if (!(largest > noticeable * optimum.speed)) return "";
+  return fmt::format(
+      "the fixed step is long: among {} designs checked the speed is off by up to {:.2g} m/s, and "
+      "by "
+      "{:.2g} m/s at the optimum; reduce solver.time-step, or choose an adaptive stepper",
+      checks.size(), largest, at_optimum);
+}
+
 std::string slack_warning(const std::vector<Check>& checks, double best_speed) {
   constexpr double near = 0.95;
   const auto is_best = [&](const Check& c) { return c.speed >= near * best_speed; };
@@ -154,27 +196,28 @@ std::string slack_warning(const std::vector<Check>& checks, double best_speed) {
 }  // namespace
 
 std::vector<std::string> warnings(const Job& job, const Lattice& lattice, const Summary& summary,
-                                  MPI_Comm comm) {
+                                  const std::function<bool()>& stop, MPI_Comm comm) {
   std::vector<std::string> lines;
   const auto add = [&](const std::string& line) {
     if (!line.empty()) lines.push_back(line);
   };
-  std::vector<Design<double>> designs = sample(lattice, 128);
+  std::vector<Design<double>> designs;
   if (summary.optimum) {
     const Index3 place = index_of(summary.optimum->design, lattice);
-    const auto near = neighbourhood(place, lattice);
-    for (const auto& design : near)
-      if (std::none_of(designs.begin(), designs.end(), [&](const auto& d) {
-            return index_of(d, lattice) == index_of(design, lattice);
-          }))
-        designs.push_back(design);
+    designs = neighbourhood(place, lattice);
     if (const auto bounds = bounds_at(place, job, lattice); !bounds.empty())
       add(fmt::format("the optimum lies on the edge of the lattice: {}", fmt::join(bounds, "; ")));
   }
-  const auto checks = integrate_again(job, designs, comm);
-  add(efficiency_warning(checks));
+  for (const auto& design : sample(lattice, 128))
+    if (std::none_of(designs.begin(), designs.end(),
+                     [&](const auto& d) { return equal(d, design); }))
+      designs.push_back(design);
+  const auto checks = integrate_again(job, designs, stop, comm);
   add(status_warning(checks, job.solver));
-  if (summary.optimum && job.output.contest == Contest::all && job.scene.sling_stiffness == 0)
+  if (!summary.optimum) return lines;
+  add(efficiency_warning(checks, summary.optimum->speed));
+  add(speed_warning(checks, *summary.optimum));
+  if (job.output.contest == Contest::all && job.scene.sling_stiffness == 0)
     add(slack_warning(checks, summary.optimum->speed));
   return lines;
 }

@@ -383,6 +383,15 @@ class Unfinished(ScriptTest):
             if status[tile].any():
                 yield tile
 
+    def test_the_optimum_of_a_sweep_killed_before_its_last_attributes(self):
+        shutil.copy(self.path("complete.h5"), self.path("killed.h5.partial"))
+        with h5py.File(self.path("killed.h5.partial"), "r+") as file:
+            for name in file.attrs:
+                if name.startswith("best_"):
+                    file.attrs[name] = np.nan
+        self.assertEqual(self.run_script("optimum.py", "killed.h5.partial").stdout,
+                         self.run_script("optimum.py", "complete.h5").stdout)
+
     def unfinish(self, source, name, done, junk):
         """Copies a complete archive with only the first `done` tiles done; returns the others."""
         shutil.copy(self.path(source), self.path(name))

@@ -9,6 +9,7 @@
 #include "catch.hpp"
 #include "trebsweep/contents.hpp"
 #include "trebsweep/mpi.hpp"
+#include "trebsweep/regular_file.hpp"
 #include "trebsweep/partial.hpp"
 
 using namespace trebsweep;
@@ -237,7 +238,7 @@ TEST_CASE("A history grows by a line for each run") {
                  MPI_COMM_SELF);
   continue_partial(file.path(), tiling, {}, 0, "went on");
   const RunMark mark = continue_partial(file.path(), tiling, {}, 0, std::string(5000, 'x'));
-  finish(file.path(), mark, false);
+  finish(file.path(), mark, "");
   const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
   CHECK(hdf5::read_text_attribute(opened, "history") ==
         "began\nwent on\n" + std::string(5000, 'x'));
@@ -261,13 +262,13 @@ TEST_CASE("A run finishes no file that another one has taken over") {
     if (event == Event::copied) std::filesystem::rename(other, partial);
     if (event == Event::moved) std::filesystem::rename(partial, other);
     CHECK_THROWS_WITH(check_mark(*mark, partial), contains("another run"));
-    CHECK_THROWS_WITH(finish(file.path(), *mark, true), contains("another run"));
+    CHECK_THROWS_WITH(finish(file.path(), *mark, ""), contains("another run"));
     CHECK_FALSE(std::filesystem::exists(file.path()));
     std::filesystem::remove(other);
   }
 }
 
-TEST_CASE("A file that has come under the final name is not replaced by surprise") {
+TEST_CASE("Under the final name only the file that is to be replaced is replaced") {
   const TemporaryFile file("archive_surprise");
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
   const Lattice lattice = small_lattice();
@@ -275,8 +276,11 @@ TEST_CASE("A file that has come under the final name is not replaced by surprise
                                    never, MPI_COMM_SELF);
   REQUIRE(mark);
   std::ofstream(file.path()) << "precious";
-  CHECK_THROWS_WITH(finish(file.path(), *mark, false), contains("cannot rename"));
+  CHECK_THROWS_WITH(finish(file.path(), *mark, ""), contains("cannot rename"));
   CHECK(std::filesystem::file_size(file.path()) == 8);
-  finish(file.path(), *mark, true);
-  CHECK(std::filesystem::file_size(file.path()) > 8);
+  const std::string found = file_identity(file.path());
+  std::ofstream(file.path(), std::ios::app) << "!";
+  CHECK_THROWS_WITH(finish(file.path(), *mark, found), contains("cannot rename"));
+  finish(file.path(), *mark, file_identity(file.path()));
+  CHECK(std::filesystem::file_size(file.path()) > 9);
 }

@@ -82,7 +82,7 @@ def lattices():
     for value in ["", "nan", "0", "1.5", "1e13"]:
         yield sweep(2, f"--lattice.shortest-sling={value}")
     for value in ["", ":", "::", "1:2", "1:2:3:4", "0:1:0.1", "1:0.5:0.1", "0.5:1:0", "0.5:1:-0.1", "a:b:c", "nan",
-                  "0.5:inf:1", "1e13", "0.5:1.0:0.3", "0.5:1:1e-13", "1e-12:1:1e-12"]:
+                  "0.5:inf:1", "1e13", "0.5:1.0:0.3", "0.1:0.3000001:0.1", "0.5:1:1e-13", "1e-12:1:1e-12"]:
         yield sweep(2, f"--lattice.r1={value}")
     yield sweep(2, "--lattice.r3", "2")
     yield sweep(2, "--scene.release-height", "3.5")
@@ -103,7 +103,7 @@ def outputs():
         yield sweep(2, f"--output.compression={value}")
     yield sweep(2, "--output.optimum", "slack")
     yield sweep(2, "--scene.beam-side", "0", "--output.fields", "peak-beam-stress")
-    for name in ["", ".", "..", "/", "folder", "folder/", "no/such.h5", "job.cfg/x.h5", "a#b.h5", "a\nb.h5", "x" * 248,
+    for name in ["", ".", "..", "/", "folder", "folder/", "no/such.h5", "job.cfg/x.h5", "a#b.h5", "a\nb.h5", " a.h5", "a.h5 ", '"a.h5"', "x" * 248,
                  "x" * 255, "x" * 300, "job.cfg", "text.txt", "empty", "fifo", "/dev/null", "loop", "link_to_fifo",
                  "link_to_folder", "socket"]:
         yield sweep(2, f"--output.file={name}")
@@ -125,7 +125,7 @@ def command_lines():
                       ["sweep", "job.cfg", "--scene.gravity", "9", "--scene.gravity", "9"],
                       ["sweep", "job.cfg", "--r1", "1"], ["sweep", "job.cfg", "--gravity", "9"],
                       ["sweep", "job.cfg", "--scene.gravitiy", "9"], ["sweep", "job.cfg", f"--{LONG}", "9"],
-                      ["sweep", "job.cfg", "--interval", "1"], ["sweep", "job.cfg", "--assess.designs", "3"],
+                      ["sweep", "--", "--help"], ["assess", "--", "-h"], ["sweep", "job.cfg", "--interval", "1"], ["sweep", "job.cfg", "--assess.designs", "3"],
                       ["sweep", "job.cfg", "--progress", "loud"], ["sweep", "job.cfg", "--progress", ""],
                       ["trace", "job.cfg"], ["trace", "job.cfg", "--r1", "1", "--r2", "1"],
                       ["trace", "job.cfg", "--r1", "x", "--r2", "1", "--r3", "1"],
@@ -137,7 +137,7 @@ def command_lines():
                       ["trace", "job.cfg", *DESIGN, "--output.file", "a.txt"],
                       ["trace", "job.cfg", *DESIGN, "--overwrite"],
                       ["trace", "job.cfg", *DESIGN, "--lattice.increment", "0.1"],
-                      ["assess", "job.cfg", "--assess.scenes", "missing.cfg"],
+                      ["assess", "job.cfg", "--assess.scenes", "missing.cfg"], ["assess", "job.cfg", "--assess.scenes", "a#b.cfg"],
                       ["assess", "job.cfg", "--assess.scenes", "fifo"], ["assess", "job.cfg", "--assess.steppers", ""],
                       ["assess", "job.cfg", "--assess.steppers", "rk4,rk4"],
                       ["assess", "job.cfg", "--assess.time-steps", "0"],
@@ -158,6 +158,7 @@ def command_lines():
 JOB_FILES = {
     "no_section": ("gravity = 9.8\n", 2), "unknown_section": ("[sceen]\ngravity = 9.8\n", 2),
     "unknown_key": ("[scene]\ngravitiy = 9.8\n", 2), "key_as_section": ("[scene.gravity]\nx = 1\n", 2),
+    "dotted": ("scene.gravity = 5\n[scene]\ngravity = 9\n", 2), "dotted_section": ("[scene]\ngravity = 9\n[scene.]\ngravity = 8\n", 2),
     "duplicate": ("[scene]\ngravity = 9\ngravity = 9\n", 2), "twice": ("[scene]\ngravity = 9\n[scene]\ngravity = 9\n", 2),
     "hash": ("[output]\nfile = run#2.h5\n", 2), "words": ("This is a letter.\n", 2), "bracket": ("[scene\n", 2),
     "empty_section": ("[]\ngravity = 9\n", 2), "no_key": ("[scene]\n= 9\n", 2), "no_value": ("[scene]\ngravity =\n", 2),

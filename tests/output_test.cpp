@@ -54,7 +54,7 @@ TEST_CASE("What is no unfinished sweep is never replaced") {
       }
     };
     std::ofstream(other) << "precious";
-    refused("is there and is no ");
+    refused("is there and ");
     CHECK(fs::file_size(other) == 8);
     fs::rename(other, folder.path / "precious.txt");
     fs::create_symlink("precious.txt", other);
@@ -71,10 +71,16 @@ TEST_CASE("What is no unfinished sweep is never replaced") {
 TEST_CASE("What a killed run left of a file that it was creating may be replaced") {
   const Folder folder;
   const Job job = job_in(folder.path / "a.h5");
-  for (const std::string start : {"", "\x89HDF\r\n\x1a\nand more"}) {
+  const std::string hdf5 = "\x89HDF\r\n\x1a\nand more";
+  for (const std::string& start : {std::string(), hdf5}) {
     std::ofstream(folder.path / "a.h5.partial.new") << start;
+    std::ofstream(folder.path / "a.h5.lock") << "trebsweep lock: process 1 on nowhere";
     CHECK(prepare_output(job, false).lock);
   }
+  // Without the lock of a killed run, it is somebody else's.
+  std::ofstream(folder.path / "a.h5.partial.new") << hdf5;
+  for (const bool overwrite : {false, true})
+    CHECK_THROWS_WITH(prepare_output(job, overwrite), contains("not left by an interrupted run"));
 }
 
 TEST_CASE("A link is followed, dangling or not") {

@@ -19,7 +19,8 @@ std::vector<std::string> warnings_of(const Job& job) {
     if (is_shot(shot.status) && (!summary.optimum || shot.speed > summary.optimum->speed))
       summary.optimum = {design, shot.speed, shot.release_time};
   }
-  return warnings(job, lattice, summary, MPI_COMM_WORLD);
+  return warnings(
+      job, lattice, summary, [] { return false; }, MPI_COMM_WORLD);
 }
 
 Job coarse_job() {
@@ -33,10 +34,10 @@ Job coarse_job() {
 TEST_CASE("The paper's optimum lies on two edges of its lattice") {
   const auto lines = warnings_of(coarse_job());
   REQUIRE(lines.size() == 1);
-  CHECK(
-      lines[0] ==
-      "the optimum lies on the edge of the lattice: r1 = 0.6 m, the smallest by h - h0 < r1 (47); "
-      "r2 = 0.9 m, the largest by r2 < h0 - r3 (49)");
+  CHECK(lines[0] ==
+        "the optimum lies on the edge of the lattice: r1 = 0.6 m, the smallest allowed by h - h0 < "
+        "r1 (47); "
+        "r2 = 0.9 m, the largest allowed by r2 < h0 - r3 (49)");
 }
 
 TEST_CASE("An axis with one value has no edge") {
@@ -61,4 +62,30 @@ TEST_CASE("Steps of a fifth of a second are seen to change statuses") {
   CHECK(std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
           return line.find("another status when integrated accurately") != line.npos;
         }) == 1);
+}
+
+TEST_CASE("A fixed step that spoils the speeds is seen by its error at the optimum") {
+  Job job = coarse_job();
+  job.solver.stepper = "euler";
+  job.solver.time_step = 0.05;
+  const auto lines = warnings_of(job);
+  CHECK(std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
+          return line.find("the fixed step is long") != line.npos;
+        }) == 1);
+}
+
+TEST_CASE("Designs that start at their release do not create energy") {
+  Job job = coarse_job();
+  job.scene.release_height = 1.2;  // r1 = 0.3 starts at phi1 = pi
+  for (const std::string& line : warnings_of(job)) CHECK(line.find("efficiency") == line.npos);
+}
+
+TEST_CASE("A stop ends the checks") {
+  Job job = coarse_job();
+  job.solver = paper_solver();
+  job.solver.time_step = 0.2;
+  const Lattice lattice(job.scene, job.lattice);
+  CHECK(warnings(
+            job, lattice, Summary{}, [] { return true; }, MPI_COMM_WORLD)
+            .empty());
 }

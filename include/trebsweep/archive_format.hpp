@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "trebsweep/field.hpp"
 #include "trebsweep/lattice.hpp"
 
 namespace trebsweep {
@@ -32,6 +33,9 @@ struct MapInfo {
 /// Root attributes, by name.
 using Attributes =
     std::vector<std::pair<std::string, std::variant<std::string, double, unsigned long long>>>;
+
+/// The name of a field's map.
+std::string dataset_name(Field field);
 
 void write_attributes(hid_t file, const Attributes& attributes);
 

@@ -5,22 +5,13 @@
 
 namespace trebsweep {
 
-/// A value given in a job file, and the number of its line.
-struct Assignment {
-  std::string value;
-  int line;
-};
+/// Parses the INI text of a job file or scene file: values by "section.key". `name` is the file's
+/// name, for messages. Throws InputError, naming the line, where a line is neither a section nor an
+/// assignment, a key is given twice, or a value contains a #.
+std::map<std::string, std::string> parse_config(const std::string& text, const std::string& name);
 
-/// The assignments of a job file by "section.key".
-using Assignments = std::map<std::string, Assignment>;
-
-/// Parses the INI text of a job file or scene file; `name` is the file's name, for messages. Throws
-/// InputError, naming the line, where a line is neither a section nor an assignment, a key is given
-/// twice, or a value contains a #.
-Assignments parse_config(const std::string& text, const std::string& name);
-
-/// The text of a job file or scene file. Throws InputError if it is missing, unreadable, not a
-/// regular file, not text, or longer than 1 MiB.
-std::string read_job_file(const std::string& path);
+/// The text of a job file or scene file; `what` goes before its path in messages. Throws InputError
+/// if it is missing, unreadable, not a regular file, not text, or longer than 1 MiB.
+std::string read_job_file(const std::string& path, const std::string& what = "job file ");
 
 }  // namespace trebsweep

@@ -27,9 +27,9 @@ struct Contents {
   bool complete() const { return tiles_done == tiles; }
 };
 
-/// Reads an archive; for one process, without MPI. Throws std::runtime_error where the file is
-/// none, is damaged, or is of another format_version, and std::system_error where that cannot be
-/// told, as where reading takes more than a minute.
+/// Reads an archive; for one process, without MPI. Throws std::runtime_error where the file is not
+/// an archive, is damaged, lacks a map, or is of another format_version, and std::system_error
+/// where that cannot be told, as where reading takes more than a minute.
 Contents read_contents(const std::filesystem::path& path);
 
 /// What an archive of any kind says of itself.
@@ -37,6 +37,7 @@ struct Archived {
   std::string job;                          ///< the text of its job file
   bool is_sweep;                            ///< else it is an assessment
   std::uint64_t tiles = 0, tiles_done = 0;  ///< of a sweep
+  std::string replaces;                     ///< file_identity() of the archive it is to replace
 
   bool complete() const { return tiles_done == tiles; }
 };

@@ -46,6 +46,8 @@ struct Assessment {
   std::uint64_t repeats = 5;    ///< of a run that is timed
   double target_error = 1e-6;   ///< m/s, that advice is given for
   double lattice_seconds = 10;  ///< longest run over a whole lattice; 0: none
+  /// Options of the command line for the scenes, lattices and solvers of all the files.
+  std::map<std::string, std::string> overrides;
 };
 
 /// All that a sweep needs to know.

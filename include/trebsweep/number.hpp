@@ -10,6 +10,9 @@ namespace trebsweep {
 /// A user's text for a message, cut after 200 characters.
 std::string shortened(const std::string& text);
 
+/// A text on one line, without control characters, which a terminal would obey.
+std::string printable(std::string text);
+
 /// Refuses a key's value. Throws InputError: "key = value: must be allowed".
 [[noreturn]] void refuse(const std::string& key, const std::string& value,
                          const std::string& allowed);

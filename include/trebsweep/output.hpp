@@ -14,7 +14,7 @@ namespace trebsweep {
 struct Place {
   std::filesystem::path path;      ///< of the archive: output.file, links followed
   bool complete = false;           ///< the archive of this very job is there
-  bool replaces = false;           ///< an archive is there that will be replaced
+  std::string replaces;            ///< file_identity() of the archive that will be replaced, if any
   std::optional<Contents> begun;   ///< an unfinished sweep of this very job, to be continued
   std::unique_ptr<FileLock> lock;  ///< to be kept until the archive is finished; none if complete
 };

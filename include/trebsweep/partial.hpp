@@ -37,9 +37,19 @@ RunMark continue_partial(const std::filesystem::path& path, const Tiling& tiling
                          const std::vector<MapInfo>& maps, std::uint64_t done,
                          const std::string& history_line);
 
-/// Gives the complete partial file, which must still have the run's mark, its own name; an archive
-/// that has the name is replaced if `replace`. For one rank alone. Throws std::runtime_error.
-void finish(const std::filesystem::path& path, const RunMark& mark, bool replace);
+/// Throws mpi::RootError where a rank does not see a file, as where ranks work in different folders
+/// or on file systems that they do not share. Collective.
+void require_visible(const std::filesystem::path& path, MPI_Comm comm);
+
+/// Gives the complete partial file, which must still have the run's mark, its own name. `replaces`
+/// is the file_identity() of the archive that has the name and is to be replaced, if any; no other
+/// file is. For one rank alone. Throws std::runtime_error.
+void finish(const std::filesystem::path& path, const RunMark& mark, const std::string& replaces);
+
+/// Renames a new file, unless the name belongs to a file other than the one with the
+/// file_identity() `replaces`. Throws std::runtime_error.
+void rename_new(const std::filesystem::path& from, const std::filesystem::path& to,
+                const std::string& replaces);
 
 /// Runs f, which writes in the partial file; a failure says what it means.
 void write_in(const std::filesystem::path& partial, const std::function<void()>& f);
