@@ -74,18 +74,16 @@ def find_program():
     return os.path.normpath(found[0]) if found else shutil.which("trebsweep")
 
 
-def trace(archive, design, program):
+def trace(archive, design, program, *options):
     """The table of a design's swing; ends the program if it cannot be traced."""
     with tempfile.TemporaryDirectory() as folder:
         job, table = os.path.join(folder, "job.cfg"), os.path.join(folder, "swing.txt")
         with open(job, "w", encoding="utf-8") as file:
             file.write(archive.attributes["job"])
         lengths = [text for name, value in design.items() for text in (f"--{name}", repr(value))]
-        # Fine enough for the peaks of a swing, whatever the size of the machine.
-        interval = archive.attributes["best_release_time"] / 500
         try:
             with open(table, "w", encoding="utf-8") as file:
-                done = subprocess.run([program, "trace", job, *lengths, "--interval", repr(float(interval))],
+                done = subprocess.run([program, "trace", job, *lengths, *options],
                                       stdout=file, stderr=subprocess.PIPE, text=True, check=False)
         except OSError as error:
             fail(f"{program}: cannot be run: {error.strerror}")
@@ -95,10 +93,16 @@ def trace(archive, design, program):
         return read_table(table).rows
 
 
+def fine_trace(archive, design, program):
+    """The same with 500 rows, which show the peaks of a machine of any size."""
+    seconds = trace(archive, design, program)["t"][-1]
+    return trace(archive, design, program, "--interval", repr(float(seconds / 500)))
+
+
 def draw(archive, designs, program):
     """The figure, a panel for each load."""
     figure, panels = plt.subplots(2, 2, figsize=(13, 8), sharex=True)
-    swings = [trace(archive, design, program) for design in designs]
+    swings = [fine_trace(archive, design, program) for design in designs]
     for axes, (column, text, unit) in zip(panels.flat, PANELS):
         factor, unit = readable_unit(unit, max(np.abs(swing[column]).max() for swing in swings))
         for design, swing in zip(designs, swings):

@@ -72,9 +72,10 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
     fmt::print(stderr, "trebsweep: stopped with {} designs done; the same command continues{}\n",
                summary->designs(), line.overwrite ? ", without --overwrite" : "");
   else if (root)
-    fmt::print(stderr,
-               "trebsweep: stopped with 0 designs done, before the archive was created; the same "
-               "command starts again, and needs more time\n");
+    fmt::print(
+        stderr,
+        "trebsweep: stopped with 0 designs done, before the archive was created; the same command "
+        "continues if it has more time\n");
   return stopped_before_the_end;
 }
 

@@ -319,7 +319,7 @@ class Stops(ResumeTest):
             launcher.send_signal(signal.SIGUSR1)
             errors = self.finish(launcher, codes=(75,))
             self.assertLess(time.time() - start, 5)
-            self.assert_told_once(errors, "before the archive was created; the same command starts again")
+            self.assert_told_once(errors, "before the archive was created; the same command continues")
             self.assertNotIn("without --overwrite", errors)
             errors = self.run_sweep(2, *options, "--time-limit", "1", codes=(75,))
             self.assertEqual([name for name in os.listdir(self.folder) if name.startswith("job.h5")], [])
