@@ -59,7 +59,7 @@ def title(archive, field):
 
 
 def picture(archive, field, chosen):
-    """The figure of a map, through its best design but for the values in `chosen` ({axis: m})."""
+    """The figure of a map, through its best design, except where `chosen` ({axis: m}) sets a value."""
     star, star_text = best(archive, field)
     centre = {**(star or middle(archive)), **chosen}
     values = parts(archive, field, centre)

@@ -110,7 +110,7 @@ fs::path check_names(const Job& job) {
     const fs::file_status status = fs::symlink_status(name, error);
     if (status.type() == fs::file_type::none)
       refuse_file(job, fmt::format("cannot write in {}: {}: {}", folder.string(),
-                                   name.filename().string(), error.message()));
+                                   shortened(name.filename().string()), error.message()));
     if (const auto kind = irregular_kind(status))
       refuse_file(
           job, fmt::format("{} is {}; move it away, or name another file", name.string(), *kind));

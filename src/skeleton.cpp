@@ -153,7 +153,7 @@ void create_tile_datasets(hid_t file, const Tiling& tiling) {
   hdf5::write_attribute(done, "edge_r2", static_cast<unsigned long long>(edge[2]));
   const hdf5::Dataset tallies =
       create_tile_dataset(file, "tile_tally", H5T_IEEE_F64LE, {tiling.size(), tally_columns.size()},
-                          "what the tile's designs came to");
+                          "results of the tile's designs");
   check(H5DSattach_scale(tallies, tile, 0), "create tile_tally");
   check(H5DSattach_scale(tallies, tally, 1), "create tile_tally");
   hdf5::write_attribute(tallies, "columns", fmt::format("{}", fmt::join(tally_columns, " ")));

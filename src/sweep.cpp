@@ -129,7 +129,7 @@ struct Start {
   bool complete = false;        ///< the archive is there already
   Index3 edge{};                ///< of the tiles
   std::uint64_t done = 0;       ///< tiles that earlier runs have done
-  std::optional<RunMark> mark;  ///< of the partial file; none where there is none yet
+  std::optional<RunMark> mark;  ///< of the partial file, once it exists
 };
 
 /// Finds an archive or a partial file, as rank 0 alone does; `tally` becomes that of what is done.

@@ -9,8 +9,8 @@
 #include "catch.hpp"
 #include "trebsweep/contents.hpp"
 #include "trebsweep/mpi.hpp"
-#include "trebsweep/regular_file.hpp"
 #include "trebsweep/partial.hpp"
+#include "trebsweep/regular_file.hpp"
 
 using namespace trebsweep;
 
@@ -212,7 +212,7 @@ TEST_CASE("What a machine that went down left in chunks that are not done does n
   }
 }
 
-TEST_CASE("Where any rank is told to stop, a partial file that is being made leaves nothing") {
+TEST_CASE("Where any rank is stopped, a partial file that is being made leaves nothing") {
   const Lattice lattice = small_lattice();
   const int last = mpi::size(MPI_COMM_WORLD) - 1;
   for (const double share : {0.0, 0.05, 0.1}) {

@@ -91,7 +91,7 @@ def lattices():
 
 
 def outputs():
-    """Places that are no file, and lists that are none."""
+    """Places that cannot be files, and malformed lists."""
     def sweep(code, *options):
         return ["sweep", "job.cfg", *TINY, *options], code
 
