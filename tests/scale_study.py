@@ -5,7 +5,7 @@ machine, and plays the sweep's own rounds with them for a lattice and numbers of
     tests/scale_study.py [GB_PER_SECOND ...]   rates of file systems, default 1 10 100; needs a build, h5py, mpirun
 
 The model: start (rank 0 alone, per tile) + rounds, each as long as its slowest rank, + all bytes at the rate of the
-file system, which no rank computes meanwhile. Not in it: the network, and what others do to the file system.
+file system, those of numbers twice, since they are filled with NaN first; no rank computes meanwhile. Not in it: the network, and what others do to the file system.
 """
 
 import heapq
@@ -23,8 +23,10 @@ PROGRAM = os.path.join(REPOSITORY, "build", "release", "trebsweep")
 JOB = os.path.join(REPOSITORY, "jobs", "millimetre.cfg")
 RANKS = (2, 16, 64, 256, 1000, 4000, 10000)
 # Nothing to integrate: what remains is the work around it.
-IDLE = ("--solver.stepper", "euler", "--solver.max-time", "1e-9")
-ROUND_SECONDS, ROUND_BYTES = 2.0, 64 << 20  # as in src/sweep.cpp
+IDLE = ("--solver.max-time", "1e-9")
+ROUND_SECONDS, ROUND_BYTES = 2.0, 64 << 20  # as in src/schedule.cpp
+MAPS = 3
+FILLED = 8 / 9                              # of an archive's bytes, filled with NaN first: not the status
 CELL_BYTES = 3 * 8                          # of three maps in memory
 
 
@@ -60,14 +62,16 @@ def measure(folder):
     cores = os.cpu_count()
     work, _ = sweep(folder, cores, "--lattice.increment", "0.004")
     per_design = work["integration_seconds"] * cores / work["designs"]
-    # Many small tiles, then one: the difference is the tiles'.
-    many, late = sweep(folder, 1, *IDLE, "--lattice.r1", "0.6", "--lattice.r3", "0.3:0.7:0.0001",
+    # Many small tiles, then one: the difference is the tiles', of one map that is not filled.
+    one_map = (*IDLE, "--output.fields", "status")
+    many, late = sweep(folder, 1, *one_map, "--lattice.r1", "0.6", "--lattice.r3", "0.3:0.7:0.0001",
                        "--lattice.r2", "0.3:0.7:0.0001")
-    _, soon = sweep(folder, 1, *IDLE, "--lattice.r1", "0.6", "--lattice.r3", "0.3", "--lattice.r2", "0.3")
-    per_tile = (late - soon) / many["tiles"]
-    idle, _ = sweep(folder, cores, *IDLE, "--lattice.increment", "0.002")
-    writing = idle["sweep_seconds"] - idle["integration_seconds"] - per_tile * idle["tiles"]
-    return per_design, per_tile, idle["bytes"] / idle["designs"], idle["bytes"] / writing
+    _, soon = sweep(folder, 1, *one_map, "--lattice.r1", "0.6", "--lattice.r3", "0.3", "--lattice.r2", "0.3")
+    idle, ready = sweep(folder, cores, *IDLE, "--lattice.increment", "0.002")
+    writing = idle["sweep_seconds"] - idle["integration_seconds"] - ready
+    rate = idle["bytes"] / writing
+    per_tile = MAPS * (late - soon) / many["tiles"]
+    return per_design, per_tile, idle["bytes"] / idle["designs"], rate
 
 
 def tile_sizes(per_metre):
@@ -124,7 +128,7 @@ def main():
             ideal = designs * per_design / ranks
             cells = []
             for each in rates:
-                whole = start + seconds + designs * per_design_bytes / (each * 1e9)
+                whole = start + seconds + (1 + FILLED) * designs * per_design_bytes / (each * 1e9)
                 cells += [f"{whole:.1f}", f"{100 * ideal / whole:.0f} %"]
             print(f"| {ranks} | {len(sizes) / ranks:.1f} | {seconds:.2f} | {100 * ideal / seconds:.0f} % | "
                   + " | ".join(cells) + " |")
