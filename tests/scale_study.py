@@ -5,7 +5,8 @@ machine, and plays the sweep's own rounds with them for a lattice and numbers of
     tests/scale_study.py [GB_PER_SECOND ...]   rates of file systems, default 1 10 100; needs a build, h5py, mpirun
 
 The model: start (rank 0 alone, per tile) + rounds, each as long as its slowest rank, + all bytes at the rate of the
-file system, those of numbers twice, since they are filled with NaN first; no rank computes meanwhile. Not in it: the network, and what others do to the file system.
+file system, those of numbers twice, since they are filled with NaN first; no rank computes meanwhile. Not in it: the
+network, and other users of the file system.
 """
 
 import heapq
