@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "trebsweep/model/scene.hpp"
+#include "trebsweep/simd/sin_cos.hpp"
+
+namespace trebsweep {
+
+/// Places of a swing's coordinates in its state: the two angles (rad, clockwise; phi1 from the
+/// upward vertical to the counterweight's arm, phi2 from the downward vertical to the sling) and
+/// their rates; with an elastic sling, its length (m) and that one's rate.
+enum Coordinate : std::size_t { phi1, phi2, w1, w2, length, stretching };
+
+template <Effects E>
+inline constexpr std::size_t coordinates = E.elastic ? 6 : 4;
+
+template <class T, Effects E = Effects{}>
+using State = std::array<T, coordinates<E>>;
+
+/// Sines and cosines of a state's angles.
+enum Direction : std::size_t { sin1, cos1, sin2, cos2 };
+
+template <class T>
+using Directions = std::array<T, 4>;
+
+template <class X>
+auto directions(const X& x) {
+  const auto a = sin_cos(x[phi1]), b = sin_cos(x[phi2]);
+  return Directions<typename X::value_type>{a.sin, a.cos, b.sin, b.cos};
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,198 @@
+#pragma once
+
+#include <array>
+#include <boost/numeric/odeint/algebra/array_algebra.hpp>
+#include <boost/numeric/odeint/algebra/default_operations.hpp>
+#include <boost/numeric/odeint/stepper/euler.hpp>
+#include <boost/numeric/odeint/stepper/modified_midpoint.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <boost/numeric/odeint/stepper/stepper_categories.hpp>
+#include <boost/numeric/odeint/util/resizer.hpp>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "trebsweep/model/motion.hpp"
+#include "trebsweep/ode/algebra.hpp"
+#include "trebsweep/ode/solver.hpp"
+
+namespace trebsweep {
+
+namespace odeint = boost::numeric::odeint;
+
+/// A stepper with a step of its own for each lane.
+template <template <class, class, class, class, class, class, class> class Stepper, class T,
+          Effects E>
+using FixedStepper = Stepper<State<T, E>, T, State<T, E>, T, odeint::array_algebra,
+                             odeint::default_operations, odeint::never_resizer>;
+
+/// A state and its directions: the state of an adaptive stepper. Within a step, sines and cosines
+/// are integrated beside the angles, which costs less than to compute them in every stage.
+template <class T, Effects E = Effects{}>
+using ExtendedState = std::array<T, coordinates<E> + 4>;
+
+/// A stepper whose time is the part of the step that has passed: all lanes' steps are one, and the
+/// method's coefficients are single numbers.
+template <template <class, class, class, class, class, class, class> class Stepper, class T,
+          Effects E>
+using AdaptiveStepper =
+    Stepper<ExtendedState<T, E>, typename Lanes<T>::Number, ExtendedState<T, E>,
+            typename Lanes<T>::Number, Algebra, Operations, odeint::never_resizer>;
+
+// The steppers for any number type, packs too.
+template <class T, Effects E = Effects{}>
+using Euler = FixedStepper<odeint::euler, T, E>;
+template <class T, Effects E = Effects{}>
+using ModifiedMidpoint = FixedStepper<odeint::modified_midpoint, T, E>;
+template <class T, Effects E = Effects{}>
+using RungeKutta4 = FixedStepper<odeint::runge_kutta4, T, E>;
+template <class T, Effects E = Effects{}>
+using CashKarp54 = AdaptiveStepper<odeint::runge_kutta_cash_karp54, T, E>;
+template <class T, Effects E = Effects{}>
+using Dopri5 = AdaptiveStepper<odeint::runge_kutta_dopri5, T, E>;
+template <class T, Effects E = Effects{}>
+using Fehlberg78 = AdaptiveStepper<odeint::runge_kutta_fehlberg78, T, E>;
+
+/// Whether the stepper finds its steps itself.
+template <class Stepper>
+inline constexpr bool is_own_controller =
+    std::is_base_of_v<odeint::controlled_stepper_tag, typename Stepper::stepper_category>;
+
+/// Whether the stepper estimates its error, so that its step can follow a tolerance.
+template <class Stepper>
+inline constexpr bool is_adaptive =
+    std::is_base_of_v<odeint::error_stepper_tag, typename Stepper::stepper_category> ||
+    is_own_controller<Stepper>;
+
+/// A stepper for a solver: some need to know its step or its tolerance.
+template <class Stepper>
+Stepper make_stepper(const Solver& solver) {
+  if constexpr (std::is_constructible_v<Stepper, const Solver&>)
+    return Stepper(solver);
+  else
+    return Stepper();
+}
+
+/// Right-hand sides that a stepper has computed in so many steps tried.
+template <class Stepper>
+std::uint64_t evaluations(const Stepper& stepper, std::uint64_t steps) {
+  if constexpr (requires { stepper.evaluations(); }) return stepper.evaluations();
+  if constexpr (requires { Stepper::stage_count; }) return steps * Stepper::stage_count;
+  if constexpr (requires { stepper.steps(); }) return steps * (stepper.steps() + 1u);  // midpoint
+  // Of dopri5's seven stages the last is the next step's first; Euler's method has one.
+  return steps * (is_adaptive<Stepper> ? 6 : 1);
+}
+
+/// A moment of a swing: its time (s), state, the state's directions and its rate there.
+template <class T, Effects E = Effects{}>
+struct Instant {
+  T t;
+  State<T, E> x;
+  Directions<T> at;
+  State<T, E> dxdt;
+};
+
+/// The instant of a state.
+template <class T, Effects E>
+Instant<T, E> instant(const Motion<T, E>& motion, const std::type_identity_t<T>& t,
+                      const State<T, E>& x) {
+  Instant<T, E> now{t, x, directions(x), {}};
+  motion.rates(now.x, now.at, now.dxdt);
+  return now;
+}
+
+/// The extended state's rate over a step of length h.
+template <class T, std::size_t N>
+void extend_rates(const std::array<T, N>& dxdt, std::span<const std::type_identity_t<T>, 4> at,
+                  const T& h, std::array<T, N + 4>& rates) {
+  for (std::size_t i = 0; i < N; ++i) rates[i] = h * dxdt[i];
+  rates[N + sin1] = rates[phi1] * at[cos1];
+  rates[N + cos1] = T(0) - rates[phi1] * at[sin1];
+  rates[N + sin2] = rates[phi2] * at[cos2];
+  rates[N + cos2] = T(0) - rates[phi2] * at[sin2];
+}
+
+/// The instant a step of length h after `from`. An adaptive stepper also fills `error`, its
+/// estimate of the step's error; the others leave it alone.
+template <class Stepper, class T, Effects E>
+void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& from,
+             const std::type_identity_t<T>& h, Instant<T, E>& to, State<T, E>& error) {
+  to.t = from.t + h;
+  if constexpr (is_adaptive<Stepper>) {
+    using Number = typename Lanes<T>::Number;
+    constexpr std::size_t n = coordinates<E>;
+    State<T, E> dxdt;  // not `to` itself: the compiler would have to store that in every stage
+    const auto directions_of = [](const ExtendedState<T, E>& y) {
+      return std::span(y).template last<4>();
+    };
+    const auto system = [&](const ExtendedState<T, E>& y, ExtendedState<T, E>& rates,
+                            const Number&) {
+      motion.rates(std::span(y).template first<n>(), directions_of(y), dxdt);
+      extend_rates(dxdt, directions_of(y), h, rates);
+    };
+    ExtendedState<T, E> start, start_rates, end, end_rates, difference;
+    for (std::size_t i = 0; i < n; ++i) start[i] = from.x[i];
+    for (std::size_t i = 0; i < 4; ++i) start[n + i] = from.at[i];
+    extend_rates(from.dxdt, from.at, h, start_rates);
+    if constexpr (std::is_same_v<typename Stepper::stepper_category,
+                                 odeint::explicit_error_stepper_fsal_tag>) {
+      stepper.do_step(system, start, start_rates, Number(0), end, end_rates, Number(1), difference);
+    } else {
+      stepper.do_step(system, start, start_rates, Number(0), end, Number(1), difference);
+      system(end, end_rates, Number(1));
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      to.x[i] = end[i];
+      to.dxdt[i] = dxdt[i];
+      error[i] = difference[i];
+    }
+    for (std::size_t i = 0; i < 4; ++i) to.at[i] = end[n + i];
+  } else {
+    stepper.do_step(std::cref(motion), from.x, from.dxdt, from.t, to.x, h);
+    to.at = directions(to.x);
+    motion.rates(to.x, to.at, to.dxdt);
+  }
+}
+
+/// The same for packs, with all of Odeint inlined: what it passes from call to call is registers.
+/// With a stepper made on the spot, the compiler knows its coefficients.
+template <class Stepper, std::size_t R, Effects E>
+[[gnu::flatten]] inline void advance(Stepper&, const Motion<Pack<R>, E>& motion,
+                                     const Instant<Pack<R>, E>& from, const Pack<R>& h,
+                                     Instant<Pack<R>, E>& to, State<Pack<R>, E>& error) {
+  Stepper stepper;
+  advance<Stepper, Pack<R>, E>(stepper, motion, from, h, to, error);
+}
+
+/// Calls f<Stepper>() with the stepper of that name, which must be for packs; Stepper<T, E>.
+template <class F>
+auto with_pack_stepper(std::string_view name, F&& f) {
+  switch (info_of_stepper(name).id) {
+    case StepperId::euler:
+      return f.template operator()<Euler>();
+    case StepperId::modified_midpoint:
+      return f.template operator()<ModifiedMidpoint>();
+    case StepperId::rk4:
+      return f.template operator()<RungeKutta4>();
+    case StepperId::cash_karp54:
+      return f.template operator()<CashKarp54>();
+    case StepperId::dopri5:
+      return f.template operator()<Dopri5>();
+    case StepperId::fehlberg78:
+      return f.template operator()<Fehlberg78>();
+    case StepperId::adams_bashforth_moulton:
+    case StepperId::bulirsch_stoer:
+    case StepperId::rosenbrock4:
+      break;
+  }
+  throw std::logic_error(std::string(name) + " is not a stepper for packs");
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace trebsweep {
+
+/// The steppers a job can choose.
+enum class StepperId {
+  euler,
+  modified_midpoint,
+  rk4,
+  cash_karp54,
+  dopri5,
+  fehlberg78,
+  adams_bashforth_moulton,
+  bulirsch_stoer,
+  rosenbrock4
+};
+
+/// What the program knows of a stepper without its type.
+struct StepperInfo {
+  StepperId id;
+  std::string_view name;        ///< in job files
+  int order;                    ///< of convergence with steps of one length; 0: variable
+  bool follows_tolerance;       ///< else its steps have a fixed length
+  bool for_packs;               ///< integrates a design per SIMD lane; else one design at a time
+  bool has_stability_function;  ///< each step is the same function of the state and the step length
+};
+
+/// The registry of steppers, in the order of StepperId. Help, job files, dispatch, assess and the
+/// stability analysis take their lists from it.
+inline constexpr std::array<StepperInfo, 9> stepper_info{{
+    {StepperId::euler, "euler", 1, false, true, true},
+    {StepperId::modified_midpoint, "modified_midpoint", 2, false, true, true},
+    {StepperId::rk4, "rk4", 4, false, true, true},
+    {StepperId::cash_karp54, "cash_karp54", 5, true, true, true},
+    {StepperId::dopri5, "dopri5", 5, true, true, true},
+    {StepperId::fehlberg78, "fehlberg78", 8, true, true, true},
+    {StepperId::adams_bashforth_moulton, "adams_bashforth_moulton", 5, false, false, false},
+    {StepperId::bulirsch_stoer, "bulirsch_stoer", 0, true, false, false},
+    {StepperId::rosenbrock4, "rosenbrock4", 4, true, false, true},
+}};
+
+/// Names a job can choose a stepper by, in the order of StepperId.
+inline constexpr auto stepper_names = [] {
+  std::array<std::string_view, stepper_info.size()> names;
+  std::transform(stepper_info.begin(), stepper_info.end(), names.begin(),
+                 [](const StepperInfo& stepper) { return stepper.name; });
+  return names;
+}();
+
+/// The stepper of that name. Throws std::logic_error where there is none.
+constexpr const StepperInfo& info_of_stepper(std::string_view name) {
+  const auto found = std::find(stepper_names.begin(), stepper_names.end(), name);
+  if (found == stepper_names.end())
+    throw std::logic_error("no stepper is named " + std::string(name));
+  return stepper_info[static_cast<std::size_t>(found - stepper_names.begin())];
+}
+
+inline bool is_for_packs(std::string_view stepper) { return info_of_stepper(stepper).for_packs; }
+
+inline bool follows_tolerance(std::string_view stepper) {
+  return info_of_stepper(stepper).follows_tolerance;
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "trebsweep/simd/pack.hpp"
+
+namespace trebsweep {
+
+template <class T>
+T larger(const T& a, const T& b) {
+  return select(a < b, b, a);
+}
+
+/// The largest value, between the first and the last of some places in rising order, of the
+/// polynomial that has the given values there: the top nearest to the largest of these, by Newton's
+/// method, if it is larger.
+template <class T, std::size_t N>
+T peak(const std::array<double, N>& places, const std::array<T, N>& values) {
+  T largest = values[0], top = places[0];
+  for (std::size_t i = 1; i < N; ++i) {
+    const auto is_larger = values[i] > largest;
+    largest = select(is_larger, values[i], largest);
+    top = select(is_larger, T(places[i]), top);
+  }
+  std::array<T, N> c = values;  // Newton's divided differences
+  for (std::size_t k = 1; k < N; ++k)
+    for (std::size_t i = N - 1; i >= k; --i)
+      c[i] = T(c[i] - c[i - 1]) * T(1 / (places[i] - places[i - k]));
+  T value, slope, half_bend;
+  const auto evaluate = [&] {
+    value = c[N - 1];
+    slope = half_bend = T(0);
+    for (std::size_t i = N - 1; i-- > 0;) {
+      const T way = top - T(places[i]);
+      half_bend = way * half_bend + slope;
+      slope = way * slope + value;
+      value = way * value + c[i];
+    }
+  };
+  for (int i = 0; i < 2; ++i) {  // from the next place, that is enough
+    evaluate();
+    const T bend = half_bend + half_bend;
+    top = top - quotient(slope, select(bend < T(0), bend, T(-1e300)));
+  }
+  evaluate();
+  const auto inside = (top > T(places[0])) & (top < T(places[N - 1]));
+  return select(inside & (value > largest), value, largest);
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,33 @@
+#include "trebsweep/archive/archive_format.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "trebsweep/archive/hdf5.hpp"
+
+namespace trebsweep {
+
+std::string dataset_name(Field field) {
+  std::string name(info(field).name);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+void write_attributes(hid_t file, const Attributes& attributes) {
+  for (const auto& [name, value] : attributes)
+    std::visit([&, &key = name](const auto& v) { hdf5::write_attribute(file, key, v); }, value);
+}
+
+hid_t file_type(MapType type) {
+  switch (type) {
+    case MapType::float64:
+      return H5T_IEEE_F64LE;
+    case MapType::float32:
+      return H5T_IEEE_F32LE;
+    case MapType::uint8:
+      return H5T_STD_U8LE;
+  }
+  throw std::logic_error("unknown map type");
+}
+
+}  // namespace trebsweep

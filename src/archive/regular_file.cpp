@@ -1,0 +1,61 @@
+#include "trebsweep/archive/regular_file.hpp"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace trebsweep {
+
+namespace fs = std::filesystem;
+
+std::optional<std::string> irregular_kind(const fs::file_status& status) {
+  switch (status.type()) {
+    case fs::file_type::none:
+    case fs::file_type::not_found:
+    case fs::file_type::regular:
+      return std::nullopt;
+    case fs::file_type::directory:
+      return "a folder";
+    case fs::file_type::symlink:
+      return "a symbolic link";
+    case fs::file_type::fifo:
+      return "a FIFO";
+    case fs::file_type::socket:
+      return "a socket";
+    case fs::file_type::block:
+    case fs::file_type::character:
+      return "a device";
+    default:
+      return "no regular file";
+  }
+}
+
+std::optional<std::string> irregular_kind(const fs::path& path) {
+  std::error_code unknown;  // then opening it tells why
+  return irregular_kind(fs::status(path, unknown));
+}
+
+std::string file_identity(const fs::path& path) {
+  struct stat found {};
+  if (stat(path.c_str(), &found) == 0)
+    return fmt::format("inode {}, {} bytes, changed at {}.{:09}", found.st_ino, found.st_size,
+                       found.st_mtim.tv_sec, found.st_mtim.tv_nsec);
+  if (errno == ENOENT) return "";
+  throw std::system_error(errno, std::generic_category(), path.string());
+}
+
+fs::path follow_links(fs::path path) {
+  constexpr int most = 40;  // as Linux does
+  std::error_code unknown;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(path, unknown)); ++links) {
+    if (links == most)
+      throw std::system_error(std::make_error_code(std::errc::too_many_symbolic_link_levels),
+                              path.string());
+    path = path.parent_path() / fs::read_symlink(path);
+  }
+  return path;
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,215 @@
+#include "trebsweep/assess/stability.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <boost/math/constants/constants.hpp>
+#include <cmath>
+#include <limits>
+
+#include "trebsweep/assess/accuracy.hpp"
+#include "trebsweep/ode/steppers.hpp"
+
+namespace trebsweep {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// One step of an explicit stepper for y' = z y.
+template <template <class...> class Stepper>
+Complex explicit_step(const Complex& z) {
+  using Y = std::array<Complex, 1>;
+  Stepper<Y, double, Y, double, odeint::array_algebra> stepper;
+  const auto system = [&](const Y& y, Y& dydt, double) { dydt[0] = z * y[0]; };
+  Y y{1};
+  stepper.do_step(system, y, 0.0, 1.0);
+  return y[0];
+}
+
+Complex rosenbrock_step(const Complex& z) {
+  const std::array<double, 4> rows{z.real(), -z.imag(), z.imag(), z.real()};
+  const auto rates = [&](const double* y, double* dydt) {
+    dydt[0] = rows[0] * y[0] + rows[1] * y[1];
+    dydt[1] = rows[2] * y[0] + rows[3] * y[1];
+  };
+  const auto derivatives = [&](const double*, double* j) {
+    std::copy(rows.begin(), rows.end(), j);
+  };
+  const std::array<double, 2> one{1, 0};
+  std::array<double, 2> y{}, error{};
+  RosenbrockStep(2).step(rates, derivatives, one.data(), 1, y.data(), error.data());
+  return {y[0], y[1]};
+}
+
+/// Whether a mode is one that a stable step must not let grow.
+bool is_bounded(const Complex& eigenvalue) {
+  return eigenvalue.real() <= 0.1 * std::abs(eigenvalue.imag());
+}
+
+/// error_of_steps() in numbers of type T.
+template <class Stepper, class T, Effects E>
+double error_in(const Scene& scene, const Design<double>& design, const Reference& reference,
+                std::uint64_t steps) {
+  Solver solver;
+  const T h = static_cast<T>(reference.release_time) / static_cast<T>(steps);
+  solver.time_step = static_cast<double>(h);
+  auto stepper = make_stepper<Stepper>(solver);
+  const Design<T> d{T(design.r1), T(design.r3), T(design.r2)};
+  const Motion<T, E> motion(scene, d);
+  auto now = instant(motion, T(0), start<T, E>(scene, d));
+  Instant<T, E> next;
+  State<T, E> estimate;
+  for (std::uint64_t i = 0; i < steps; ++i, now = next)
+    advance(stepper, motion, now, h, next, estimate);
+  double largest = 0;
+  for (std::size_t i = 0; i < coordinates<E>; ++i) {
+    const long double truth = reference.state[i];
+    const auto error = static_cast<double>(std::abs(now.x[i] - truth) / (1 + std::abs(truth)));
+    largest = error <= largest ? largest : error;  // NaN stays
+  }
+  return std::isfinite(largest) ? largest : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+bool has_stability_function(const std::string& stepper) {
+  return info_of_stepper(stepper).has_stability_function;
+}
+
+Complex stability_function(const std::string& stepper, const Complex& z) {
+  switch (info_of_stepper(stepper).id) {
+    case StepperId::euler:
+      return explicit_step<odeint::euler>(z);
+    case StepperId::modified_midpoint:
+      return explicit_step<odeint::modified_midpoint>(z);
+    case StepperId::rk4:
+      return explicit_step<odeint::runge_kutta4>(z);
+    case StepperId::cash_karp54:
+      return explicit_step<odeint::runge_kutta_cash_karp54>(z);
+    case StepperId::dopri5:
+      return explicit_step<odeint::runge_kutta_dopri5>(z);
+    case StepperId::fehlberg78:
+      return explicit_step<odeint::runge_kutta_fehlberg78>(z);
+    case StepperId::rosenbrock4:
+      return rosenbrock_step(z);
+    case StepperId::adams_bashforth_moulton:
+    case StepperId::bulirsch_stoer:
+      break;
+  }
+  throw std::logic_error("no stability function of " + stepper);
+}
+
+double amplification(const std::string& stepper, const std::vector<Spectrum>& spectra, double h) {
+  double exponent = 0;
+  for (const Spectrum& spectrum : spectra) {
+    double growth = 0;  // of one step
+    for (const Complex& eigenvalue : spectrum.eigenvalues)
+      if (is_bounded(eigenvalue))
+        growth = std::max(growth, std::log(std::abs(stability_function(stepper, h * eigenvalue))) -
+                                      std::max(0.0, h * eigenvalue.real()));
+    exponent += spectrum.h / h * growth;
+  }
+  return std::exp(exponent);
+}
+
+double largest_stable_step(const std::string& stepper, const std::vector<Spectrum>& spectra) {
+  const double modulus = stiffness(spectra).modulus;
+  // From far too short ones up, so that a stable island beyond the first unstable step is none.
+  const double ratio = std::pow(2, 1.0 / 32);
+  double h = 1e-4 / modulus;
+  while (h < 1e4 / modulus && amplification(stepper, spectra, h * ratio) < 2) h *= ratio;
+  return h < 1e4 / modulus ? h : std::numeric_limits<double>::infinity();
+}
+
+double error_of_steps(const std::string& stepper, const Scene& scene, const Design<double>& design,
+                      const Reference& reference, std::uint64_t steps) {
+  return with_effects(scene, [&]<Effects E>() {
+    if (is_for_packs(stepper))
+      return with_pack_stepper(
+          stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+            using T = long double;
+            return error_in<Stepper<T, E>, T, E>(scene, design, reference, steps);
+          });
+    return with_stepper(
+        stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+          using T = double;
+          return error_in<Stepper<T, E>, T, E>(scene, design, reference, steps);
+        });
+  });
+}
+
+double largest_usable_step(const std::string& stepper, const Scene& scene,
+                           const Design<double>& design, const Reference& reference, double guess) {
+  constexpr double most_steps = 1e7;
+  const auto time = static_cast<double>(reference.release_time);
+  const double ratio = std::pow(2, 1.0 / 8);
+  double usable = std::numeric_limits<double>::quiet_NaN();
+  for (double h = std::min(guess / 4, time / 8); h < time; h *= ratio) {
+    const double steps = std::ceil(time / h);
+    if (steps > most_steps ||
+        error_of_steps(stepper, scene, design, reference, static_cast<std::uint64_t>(steps)) > 0.1)
+      break;
+    usable = time / steps;
+  }
+  return usable;
+}
+
+Growth growth(const std::string& stepper, const Scene& scene, const Design<double>& design,
+              double h, double time) {
+  const Motion<double> motion(scene, design);
+  const Mechanism<double> mechanism(scene, design);
+  const State<double> hanging{boost::math::double_constants::pi, 0, 0, 0};
+  const Eigen::EigenSolver<Jacobian<Effects{}>> modes(jacobian(motion, hanging));
+  Eigen::Index fastest = 0;
+  modes.eigenvalues().imag().maxCoeff(&fastest);
+  const Complex eigenvalue = modes.eigenvalues()[fastest];
+  const auto steps = static_cast<std::uint64_t>(std::ceil(time / h));
+
+  constexpr double small = 1e-3;  // rad: its energy is off by a millionth of itself
+  State<double> x = hanging;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    x[i] += small * modes.eigenvectors()(static_cast<Eigen::Index>(i), fastest).real();
+  const auto energy = [&](const State<double>& state) {
+    return mechanism.energy(state) - mechanism.energy(hanging);
+  };
+  const double at_start = energy(x);
+  const double end = with_stepper(
+      stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+        Solver solver;
+        solver.time_step = h;
+        auto method = make_stepper<Stepper<double>>(solver);
+        auto now = instant(motion, 0.0, x);
+        Instant<double> next;
+        State<double> estimate;
+        for (std::uint64_t i = 0; i < steps; ++i, now = next)
+          advance(method, motion, now, h, next, estimate);
+        return energy(now.x);
+      });
+  const double predicted =
+      std::pow(std::abs(stability_function(stepper, h * eigenvalue)), static_cast<double>(steps));
+  return {eigenvalue.imag(), predicted, std::sqrt(end / at_start)};
+}
+
+double observed_order(const std::string& stepper, const Scene& scene,
+                      std::span<const Design<double>> designs,
+                      std::span<const Reference> references) {
+  constexpr double asymptotic = 1e-3;
+  // Twenty times that of a step; those for packs are run in long double.
+  const double rounding = is_for_packs(stepper) ? 1e-18 : 2e-15;
+  constexpr std::uint64_t most_steps = 1 << 15;
+  std::vector<double> orders;
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    if (!has_speed(references[i].status)) continue;
+    double order = std::numeric_limits<double>::quiet_NaN(), last = 1;
+    for (std::uint64_t steps = 4; steps <= most_steps; steps *= 2) {
+      const double error = error_of_steps(stepper, scene, designs[i], references[i], steps);
+      if (error < rounding * static_cast<double>(steps)) break;
+      if (last < asymptotic) order = std::log2(last / error);
+      last = error;
+    }
+    if (!std::isnan(order)) orders.push_back(order);
+  }
+  return error_quantiles(std::move(orders)).median;
+}
+
+}  // namespace trebsweep

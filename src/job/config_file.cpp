@@ -1,0 +1,117 @@
+#include "trebsweep/job/config_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/algorithm/string/trim.hpp>
+#include <boost/program_options.hpp>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "trebsweep/base/error.hpp"
+#include "trebsweep/base/number.hpp"
+
+namespace trebsweep {
+namespace {
+
+namespace po = boost::program_options;
+
+/// A line of a job file without its comment.
+struct Line {
+  std::string text;
+  bool hash_in_value;  ///< a # that follows a value without a blank
+};
+
+Line without_comment(const std::string& line) {
+  const auto hash = line.find('#');
+  Line result{boost::trim_copy(line.substr(0, hash)), false};
+  result.hash_in_value = hash != line.npos && !result.text.empty() &&
+                         !std::isspace(static_cast<unsigned char>(line[hash - 1]));
+  return result;
+}
+
+/// Refuses lines that Boost would misread or accept. Its own messages lack line numbers, and its
+/// message about a malformed line never ends if the line contains one of its placeholders, such as
+/// %invalid_line%.
+void check_lines(const std::string& text, const std::string& name) {
+  const auto refuse_line = [&](int number, const std::string& line, const std::string& why) {
+    throw InputError(fmt::format("job file {}: line {}, '{}', {}", shortened(name), number,
+                                 shortened(line), why));
+  };
+  std::map<std::string, int> lines;
+  std::istringstream stream(text);
+  std::string line, section;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const auto [content, hash_in_value] = without_comment(line);
+    if (content.empty()) continue;
+    const auto equals = content.find('=');
+    if (content.size() > 2 && content.starts_with('[') && content.ends_with(']')) {
+      section = content.substr(1, content.size() - 2);
+      if (!section.ends_with('.')) section += '.';  // as Boost does
+    } else if (equals == content.npos) {
+      refuse_line(number, content, "is neither [section] nor key = value");
+    } else if (hash_in_value) {
+      refuse_line(number, boost::trim_copy(line),
+                  "has a # inside a value: a comment must be set off by a blank");
+    } else {
+      const std::string key = section + boost::trim_copy(content.substr(0, equals));
+      const auto [first, is_new] = lines.emplace(key, number);
+      if (!is_new)
+        throw InputError(fmt::format("job file {}: {} is given twice, in lines {} and {}",
+                                     shortened(name), shortened(key), first->second, number));
+    }
+  }
+}
+
+bool is_binary(const std::string& text) {
+  return std::any_of(text.begin(), text.end(), [](unsigned char c) {
+    return c < ' ' && c != '\n' && c != '\r' && c != '\t';
+  });
+}
+
+}  // namespace
+
+std::map<std::string, std::string> parse_config(const std::string& text, const std::string& name) {
+  check_lines(text, name);
+  std::map<std::string, std::string> values;
+  try {
+    std::istringstream stream(text);
+    const bool allow_unregistered = true;
+    const auto parsed =
+        po::parse_config_file(stream, po::options_description(), allow_unregistered);
+    for (const auto& option : parsed.options) values[option.string_key] = option.value.at(0);
+  } catch (const po::error& error) {
+    throw InputError(fmt::format("job file {}: {}", name, error.what()));
+  }
+  return values;
+}
+
+std::string read_job_file(const std::string& path, const std::string& what) {
+  const auto refuse_file = [&](const std::string& why) {
+    throw InputError(
+        fmt::format("{}{}: {}; give the path of a readable text file", what, shortened(path), why));
+  };
+  namespace fs = std::filesystem;
+  std::error_code unknown;  // opening the file gives the reason
+  if (fs::is_directory(path, unknown)) refuse_file("is a directory");
+  // Reading a FIFO or a device could block for ever.
+  if (fs::exists(path, unknown) && !fs::is_regular_file(path, unknown))
+    refuse_file("is not a regular file");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) refuse_file(std::strerror(errno));
+  constexpr std::size_t longest = 1 << 20;
+  std::string content(longest + 1, '\0');
+  file.read(content.data(), static_cast<std::streamsize>(content.size()));
+  if (file.bad()) refuse_file(std::strerror(errno));
+  content.resize(static_cast<std::size_t>(file.gcount()));
+  if (content.starts_with("\xef\xbb\xbf")) content.erase(0, 3);  // a byte-order mark
+  if (is_binary(content)) refuse_file("is not a text file");
+  if (content.size() > longest) refuse_file("is longer than 1 MiB");
+  return content;
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,193 @@
+#include "trebsweep/job/job.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+
+#include "trebsweep/base/error.hpp"
+#include "trebsweep/base/number.hpp"
+#include "trebsweep/job/config_file.hpp"
+#include "trebsweep/job/key.hpp"
+
+namespace trebsweep {
+namespace {
+
+/// Values of keys, by name.
+using Values = std::map<std::string, std::string>;
+
+std::string key_of(const std::string& name) { return name.substr(name.find('.') + 1); }
+
+[[noreturn]] void refuse_unknown(const std::string& name) {
+  const std::string section = name.substr(0, name.find('.'));
+  std::vector<std::string> known;
+  for (const Key& key : job_keys())
+    if (key.section() == section) known.push_back(key_of(key.name));
+  if (section == "scene") known.push_back("file");
+  if (section == name)
+    throw InputError(fmt::format(
+        "{}: stands before any [section]; the sections are scene, lattice, solver, output, assess",
+        shortened(name)));
+  if (known.empty())
+    throw InputError(
+        fmt::format("{}: unknown key; the sections are scene, lattice, solver, output, assess",
+                    shortened(name)));
+  throw InputError(fmt::format("{}: unknown key; the keys of [{}] are {}", shortened(name), section,
+                               fmt::join(known, ", ")));
+}
+
+/// The values that a job file gives, scene_file among them.
+Values parse_values(const std::string& text, const std::string& name) {
+  const Values values = parse_config(text, name);
+  for (const auto& [given, value] : values) {
+    const auto is_given = [&given = given](const Key& key) { return key.name == given; };
+    if (given != scene_file && std::none_of(job_keys().begin(), job_keys().end(), is_given))
+      refuse_unknown(given);
+  }
+  return values;
+}
+
+/// The values that a scene file gives.
+Values read_scene_file(const std::string& path) {
+  const Values values = parse_values(read_job_file(path, scene_file + " = "), path);
+  for (const auto& [name, value] : values) {
+    if (name == scene_file)
+      refuse(scene_file, path,
+             fmt::format("a file that does not name another one, as this does (file = {})",
+                         shortened(value)));
+    if (!name.starts_with("scene."))
+      refuse(scene_file, path, fmt::format("a file of [scene] alone, without {}", name));
+  }
+  return values;
+}
+
+/// The values of `lower` that `higher` does not give.
+void add_missing(Values& higher, const Values& lower) {
+  higher.insert(lower.begin(), lower.end());  // does not replace
+}
+
+std::vector<std::string_view> steppers_with(bool tolerance) {
+  std::vector<std::string_view> names;
+  std::copy_if(stepper_names.begin(), stepper_names.end(), std::back_inserter(names),
+               [=](std::string_view name) { return follows_tolerance(name) == tolerance; });
+  return names;
+}
+
+/// Whether the job's solver uses a key.
+bool is_used(const std::string& name, const Solver& solver) {
+  const bool adaptive = follows_tolerance(solver.stepper);
+  if (name == "solver.time-step") return !adaptive;
+  if (name == "solver.tolerance" || name == "solver.target-error") return adaptive;
+  if (name == "solver.release-window") return solver.release == Release::window;
+  return true;
+}
+
+/// Refuses keys that are given although the solver does not use them.
+void check_used(const Values& given, const Solver& solver) {
+  for (const auto& [name, value] : given) {
+    if (is_used(name, solver)) continue;
+    if (name == "solver.release-window")
+      refuse(name, value,
+             "left out where solver.release is crossing; give release = window to use it");
+    const bool adaptive = follows_tolerance(solver.stepper);
+    refuse(name, value,
+           fmt::format("left out: the {} stepper {} does not use it; {} or choose one of {}",
+                       adaptive ? "adaptive" : "fixed", solver.stepper,
+                       adaptive ? "give solver.tolerance" : "give solver.time-step",
+                       fmt::join(steppers_with(!adaptive), ", ")));
+  }
+}
+
+/// Refuses keys that are each allowed but make no sense together.
+void check(const Job& job, const Values& given) {
+  const Solver& solver = job.solver;
+  if (follows_tolerance(solver.stepper) && solver.release == Release::window)
+    refuse("solver.release", "window",
+           fmt::format("crossing for the adaptive stepper {}, whose steps may leap over the window",
+                       solver.stepper));
+  check_used(given, solver);
+  if (solver.target_error > 0 && given.count("solver.tolerance") > 0)
+    refuse("solver.target-error", fmt::format("{}", solver.target_error),
+           "given without solver.tolerance, which it chooses");
+  if (job.scene.sling_damping > 0 && job.scene.sling_stiffness == 0)
+    refuse("scene.sling-damping", fmt::format("{}", job.scene.sling_damping),
+           "0 without a sling-stiffness above 0: a rigid sling has no stretch to damp");
+  const auto& fields = job.output.fields;
+  if (job.scene.beam_side == 0 &&
+      std::count(fields.begin(), fields.end(), Field::peak_beam_stress) > 0)
+    refuse("output.fields", "peak-beam-stress",
+           "left out where scene.beam-side is 0: there is no section to bear the stress");
+}
+
+}  // namespace
+
+Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides) {
+  const auto folder = std::filesystem::path(name).parent_path();
+  const Values in_job = parse_values(text, name);
+  Job job;
+  // From the highest precedence to the lowest.
+  Values given = overrides;
+  const auto add_scene_file = [&](const std::string& path) {
+    add_missing(given, read_scene_file(path));
+    job.scene_files.push_back(path);
+  };
+  if (overrides.count(scene_file)) add_scene_file(overrides.at(scene_file));
+  add_missing(given, in_job);
+  if (in_job.count(scene_file)) add_scene_file(folder / in_job.at(scene_file));
+  given.emplace("output.file", std::filesystem::path(name).stem().string() + ".h5");
+
+  for (const Key& key : job_keys())
+    if (const auto value = given.find(key.name); value != given.end()) key.set(job, value->second);
+  check(job, given);
+  // Files that the job names lie next to it; those of options, as usual, where the user is.
+  const auto place = [&](const char* key, std::vector<std::string>& paths) {
+    if (overrides.count(key)) return;
+    for (std::string& path : paths) path = folder / path;
+  };
+  place("assess.scenes", job.assess.scenes);
+  place("assess.extremes", job.assess.extremes);
+  return job;
+}
+
+std::string to_text(const Job& job, bool with_assessment) {
+  std::string text, section;
+  for (const Key& key : job_keys()) {
+    const std::string value = key.get(job);
+    if (value.empty() || (key.section() == "assess" && !with_assessment)) continue;
+    if (!is_used(key.name, job.solver)) continue;
+    if (key.name == "solver.tolerance" && job.solver.target_error > 0) continue;  // not chosen yet
+    if (section != key.section()) {
+      section = key.section();
+      text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section);
+    }
+    text += fmt::format("{} = {}\n", key_of(key.name), value);
+  }
+  return text;
+}
+
+std::string scene_text(const Job& job) {
+  const Job defaults;
+  std::vector<std::string> differing;
+  for (const Key& key : job_keys())
+    if (key.section() == "scene" && key.get(job) != key.get(defaults))
+      differing.push_back(fmt::format("{} = {}", key_of(key.name), key.get(job)));
+  const std::string files = fmt::format("{}", fmt::join(job.scene_files, ", "));
+  return printable(fmt::format("{}{}{}", files, files.empty() ? "" : ": ",
+                               differing.empty() ? "the paper's (all keys at their defaults)"
+                                                 : fmt::format("{}", fmt::join(differing, ", "))));
+}
+
+std::string solver_text(const Solver& solver) {
+  const std::string setting = follows_tolerance(solver.stepper)
+                                  ? fmt::format("tolerance {:.3g}", solver.tolerance)
+                                  : fmt::format("time step {} s", solver.time_step);
+  const std::string release =
+      solver.release == Release::crossing
+          ? "release at phi1 = pi"
+          : fmt::format("release at the first step with |pi - phi1| < {}", solver.release_window);
+  return fmt::format("{}, {}, {}", solver.stepper, setting, release);
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,37 @@
+#include "trebsweep/job/load_job.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <boost/algorithm/string.hpp>
+
+#include "trebsweep/base/mpi.hpp"
+#include "trebsweep/job/config_file.hpp"
+#include "trebsweep/job/tolerance.hpp"
+
+namespace trebsweep {
+
+Job load_job(const std::string& path, const Overrides& overrides) {
+  Job job = parse_job(read_job_file(path), path, overrides);
+  if (job.solver.target_error > 0) {
+    job.solver.tolerance = tolerance_for_target(job);
+    job.solver.target_error = 0;  // settled
+    fmt::print(stderr, "tolerance {:.2g}\n", job.solver.tolerance);
+  }
+  return job;
+}
+
+Job load_job(const std::string& path, const Overrides& overrides, MPI_Comm comm) {
+  std::string scene_files;  // a line each
+  const std::string text = mpi::text_of_root(comm, [&] {
+    const Job job = load_job(path, overrides);
+    scene_files = fmt::format("{}", fmt::join(job.scene_files, "\n"));
+    return to_text(job, true);
+  });
+  Job job = parse_job(text, "", {});
+  scene_files = mpi::broadcast(scene_files, comm);
+  if (!scene_files.empty()) boost::split(job.scene_files, scene_files, boost::is_any_of("\n"));
+  return job;
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,47 @@
+#include "trebsweep/swing/reference.hpp"
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+
+#include "trebsweep/swing/swings.hpp"
+
+namespace trebsweep {
+namespace {
+
+using Quad = boost::multiprecision::cpp_bin_float_quad;
+
+template <Effects E>
+Outcome<Quad, E> swing_at(double tolerance, const Scene& scene, const Design<double>& design,
+                          Solver solver) {
+  solver.release = Release::crossing;
+  solver.tolerance = tolerance;
+  return swing<Fehlberg78<Quad, E>, Quad, E>(scene, design, solver);
+}
+
+/// How far the result can be off: by the other one's distance, and by rounding to double.
+double bound(const Quad& result, const Quad& other) {
+  return static_cast<double>(abs(Quad(result - other))) +
+         std::numeric_limits<double>::epsilon() / 2 * std::abs(static_cast<double>(result));
+}
+
+}  // namespace
+
+Reference reference(const Scene& scene, const Design<double>& design, const Solver& solver) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  return with_effects(scene, [&]<Effects E>() {
+    const auto loose = swing_at<E>(1e-14, scene, design, solver);
+    const auto tight = swing_at<E>(1e-16, scene, design, solver);
+    Reference r{tight.status, nan, nan, {}, nan, nan};
+    for (std::size_t i = 0; i < coordinates<E>; ++i)
+      r.state[i] = static_cast<long double>(tight.x[i]);
+    if (!has_speed(tight.status)) return r;
+    r.speed = static_cast<double>(tight.speed);
+    r.release_time = static_cast<long double>(tight.t);
+    if (loose.status != tight.status) return r;
+    r.speed_bound = bound(tight.speed, loose.speed);
+    r.time_bound = bound(tight.t, loose.t);
+    return r;
+  });
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,42 @@
+#include "trebsweep/swing/spectrum.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+#include "trebsweep/ode/rosenbrock.hpp"
+#include "trebsweep/swing/swings.hpp"
+
+namespace trebsweep {
+
+std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, Solver solver) {
+  solver.release = Release::crossing;
+  solver.tolerance = 1e-5;
+  return with_effects(scene, [&]<Effects E>() {
+    const Motion<double, E> motion(scene, design);
+    std::vector<Spectrum> spectra;
+    const auto add = [&](double h, const State<double, E>& x) {
+      const Jacobian<E> j = jacobian(motion, x);
+      if (!j.allFinite()) return;
+      const auto eigenvalues = Eigen::EigenSolver<Jacobian<E>>(j, false).eigenvalues();
+      spectra.push_back({h, {eigenvalues.begin(), eigenvalues.end()}});
+    };
+    const auto observe = [&](const auto& from, const auto& to) {
+      if (spectra.empty()) add(0, from.x);
+      add(to.t - from.t, to.x);
+    };
+    swing<Rosenbrock4<double, E>, double, E>(scene, design, solver, observe);
+    return spectra;
+  });
+}
+
+Stiffness stiffness(const std::vector<Spectrum>& spectra) {
+  Stiffness most;
+  for (const Spectrum& spectrum : spectra)
+    for (const std::complex<double>& eigenvalue : spectrum.eigenvalues) {
+      most.modulus = std::max(most.modulus, std::abs(eigenvalue));
+      most.decay = std::max(most.decay, -eigenvalue.real());
+    }
+  return most;
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,84 @@
+#include "trebsweep/assess/accuracy.hpp"
+
+#include <cmath>
+
+#include "support/catch.hpp"
+#include "support/paper_solver.hpp"
+#include "trebsweep/ode/stepper_info.hpp"
+#include "trebsweep/swing/integrate.hpp"
+#include "trebsweep/swing/spectrum.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+constexpr Design<double> optimum{0.51, 0.58, 0.91};
+
+std::vector<Reference> references(const Scene& scene, std::span<const Design<double>> designs) {
+  std::vector<Reference> all;
+  for (const auto& design : designs) all.push_back(reference(scene, design, paper_solver()));
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("A spread is the median, what 95 % are below, and the largest") {
+  std::vector<double> values;
+  for (int i = 100; i >= 0; --i) values.push_back(i);
+  const auto [median, p95, largest] = error_quantiles(values);
+  CHECK(median == 50);
+  CHECK(p95 == 95);
+  CHECK(largest == 100);
+  CHECK(std::isnan(error_quantiles({}).median));
+}
+
+TEST_CASE("The paper's Euler steps make the optimum 3.7 % too fast") {
+  const std::array designs{optimum};
+  const auto a = accuracy(Scene{}, paper_solver(), designs, references(Scene{}, designs), 1);
+  CHECK(a.relative.largest == Approx(0.037).margin(0.0005));
+  CHECK(a.speed.largest == Approx(17.47606519 - 16.85558691).margin(1e-7));
+  CHECK(a.steps == 92);
+  CHECK(a.evaluations == 92);
+  CHECK(a.seconds > 0);
+}
+
+TEST_CASE("Every stepper that follows a tolerance meets it, and says what it took") {
+  const std::array designs{optimum, Design<double>{0.8, 0.5, 0.7}, Design<double>{1.2, 0.9, 0.2}};
+  const auto truth = references(Scene{}, designs);
+  for (const std::string stepper :
+       {"cash_karp54", "dopri5", "fehlberg78", "bulirsch_stoer", "rosenbrock4"}) {
+    const auto a = accuracy(Scene{}, solver_of(stepper, 1e-9, paper_solver()), designs, truth, 1);
+    INFO(stepper);
+    CHECK(a.status_mismatches == 0);
+    CHECK(a.speed.largest < 1e-7);
+    CHECK(a.time.largest < 1e-8);
+    CHECK(a.drift < 1e-7);
+    CHECK(a.evaluations >= 4 * a.steps);
+    CHECK(a.reference_error < 1e-12);
+  }
+  const auto multistep = accuracy(
+      Scene{}, solver_of("adams_bashforth_moulton", 0.001, paper_solver()), designs, truth, 1);
+  CHECK(multistep.speed.largest < 1e-9);
+}
+
+TEST_CASE("A design is counted as different where it is a shot in one place only") {
+  const std::array designs{optimum};
+  Solver solver = solver_of("dopri5", 1e-6, paper_solver());
+  solver.max_time = 0.5;
+  const auto a = accuracy(Scene{}, solver, designs, references(Scene{}, designs), 1);
+  CHECK(a.status_mismatches == 1);
+  CHECK(std::isnan(a.speed.median));
+}
+
+TEST_CASE("Separate fields are the difference to an accurate integration, and the stiffness") {
+  const std::array designs{optimum};
+  const std::array fields{Field::sling_angle, Field::speed_error, Field::stiffness,
+                          Field::decay_rate};
+  SwingResult result;
+  std::array<double, 4> values;
+  integrate(Scene{}, paper_solver(), {designs, {&result, 1}, fields, values});
+  CHECK(values[1] == Approx(result.speed - 16.8555869074).margin(1e-9));
+  const auto [modulus, decay] = stiffness(spectra(Scene{}, optimum, paper_solver()));
+  CHECK(values[2] == modulus);
+  CHECK(values[3] == decay);
+}

@@ -1,0 +1,110 @@
+#include "trebsweep/assess/stability.hpp"
+
+#include <boost/math/constants/constants.hpp>
+#include <cmath>
+
+#include "support/catch.hpp"
+#include "trebsweep/ode/stepper_info.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+constexpr Design<double> optimum{0.51, 0.58, 0.91};
+
+/// The exponential's Taylor polynomial: what methods with as many stages as orders make of it.
+std::complex<double> taylor(const std::complex<double>& z, int degree) {
+  std::complex<double> sum = 1, term = 1;
+  for (int n = 1; n <= degree; ++n) sum += term *= z / static_cast<double>(n);
+  return sum;
+}
+
+Solver limits() {
+  Solver solver;
+  solver.release = Release::crossing;
+  return solver;
+}
+
+}  // namespace
+
+TEST_CASE("Stability functions are those of the textbooks") {
+  for (const std::complex<double> z : {std::complex<double>{-0.7, 0.4}, {0.1, 2}, {-3, -1}}) {
+    CHECK(std::abs(stability_function("euler", z) - taylor(z, 1)) < 1e-12);
+    CHECK(std::abs(stability_function("modified_midpoint", z) - taylor(z, 2)) <
+          std::abs(z * z * z));
+    CHECK(std::abs(stability_function("rk4", z) - taylor(z, 4)) < 1e-12);
+  }
+  for (const auto name : pack_stepper_names) {
+    const std::complex<double> z{-0.01, 0.02};
+    CHECK(std::abs(stability_function(std::string(name), z) - std::exp(z)) < 3e-4);
+  }
+}
+
+TEST_CASE("rosenbrock4 is A-stable, and lets stiff modes die") {
+  for (const double y : {0.1, 1.0, 10.0, 1e3, 1e6})
+    CHECK(std::abs(stability_function("rosenbrock4", {0, y})) <= 1 + 1e-9);
+  CHECK(std::abs(stability_function("rosenbrock4", {-1e6, 0})) < 1e-3);
+}
+
+TEST_CASE("Euler's method amplifies an oscillation as its stability function says") {
+  for (const double h : {0.01, 0.001}) {
+    const auto [rate, predicted, seen] = growth("euler", Scene{}, optimum, h, 5);
+    CHECK(predicted == Approx(std::pow(1 + h * h * rate * rate, 2.5 / h)));
+    CHECK(predicted > 1.05);
+    CHECK(seen == Approx(predicted).epsilon(0.01));
+  }
+  CHECK(growth("fehlberg78", Scene{}, optimum, 0.01, 5).seen == Approx(1).margin(1e-5));
+}
+
+TEST_CASE("At rest under a heavy counterweight, arm and sling oscillate as pendulums") {
+  Scene scene;
+  scene.counterweight_mass = 1e12;
+  scene.beam_density = 0;
+  const double fastest = growth("rk4", scene, optimum, 0.01, 1).rate;
+  CHECK(fastest == Approx(std::sqrt(scene.gravity / optimum.r1)).epsilon(1e-6));
+  CHECK(growth("rk4", scene, {0.9, 0.3, 0.5}, 0.01, 1).rate ==
+        Approx(std::sqrt(scene.gravity / 0.3)).epsilon(1e-6));
+}
+
+TEST_CASE("The stiffness of an overdamped sling is that of its damper") {
+  Scene scene;
+  scene.sling_stiffness = 1e6;
+  scene.sling_damping = 1e7;
+  const auto [modulus, decay] = stiffness(spectra(scene, optimum, limits()));
+  // The tip of the arm takes part in the stretching, by less than a tenth here.
+  const double damper = scene.sling_damping / scene.projectile_mass;
+  CHECK(modulus == decay);
+  CHECK(decay > damper);
+  CHECK(decay < 1.1 * damper);
+}
+
+TEST_CASE("The largest stable step of a stiff scene is the one seen to fail") {
+  Scene scene;
+  scene.sling_stiffness = 1e7;
+  const Reference truth = reference(scene, optimum, limits());
+  const auto along = spectra(scene, optimum, limits());
+  for (const std::string stepper : {"rk4", "dopri5", "fehlberg78"}) {
+    const double stable = largest_stable_step(stepper, along);
+    const double usable = largest_usable_step(stepper, scene, optimum, truth, stable);
+    CHECK(usable > 0.7 * stable);
+    CHECK(usable < 1.5 * stable);
+  }
+  CHECK(std::isinf(largest_stable_step("rosenbrock4", along)));
+}
+
+TEST_CASE("Every stepper converges at its order along whole swings") {
+  const std::array designs{optimum, Design<double>{0.8, 0.5, 0.7}};
+  std::vector<Reference> references;
+  for (const auto& design : designs) references.push_back(reference(Scene{}, design, limits()));
+  const auto order = [&](const char* stepper) {
+    return observed_order(stepper, Scene{}, designs, references);
+  };
+  CHECK(order("euler") == Approx(1).margin(0.2));
+  CHECK(order("modified_midpoint") == Approx(2).margin(0.2));
+  CHECK(order("rk4") == Approx(4).margin(0.2));
+  CHECK(order("cash_karp54") == Approx(5).margin(0.2));
+  CHECK(order("dopri5") == Approx(5).margin(0.2));
+  CHECK(order("fehlberg78") == Approx(8).margin(0.2));
+  CHECK(order("adams_bashforth_moulton") == Approx(5).margin(0.2));
+  CHECK(order("rosenbrock4") == Approx(4).margin(0.2));
+}

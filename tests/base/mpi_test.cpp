@@ -1,0 +1,63 @@
+#include "trebsweep/base/mpi.hpp"
+
+#include "support/catch.hpp"
+#include "trebsweep/base/error.hpp"
+
+using namespace trebsweep;
+
+TEST_CASE("A text of rank 0 reaches every rank") {
+  const std::string text = mpi::rank(MPI_COMM_WORLD) == 0 ? "from the root" : "";
+  CHECK(mpi::broadcast(text, MPI_COMM_WORLD) == "from the root");
+  CHECK(mpi::broadcast("", MPI_COMM_WORLD).empty());
+}
+
+TEST_CASE("A value of rank 0 reaches every rank") {
+  const std::array<double, 2> value{0.5 * mpi::rank(MPI_COMM_WORLD), 5};
+  CHECK(mpi::from_root(value, MPI_COMM_WORLD) == std::array<double, 2>{0, 5});
+}
+
+TEST_CASE("Reductions are over all ranks, with the result on all") {
+  const int rank = mpi::rank(MPI_COMM_WORLD), size = mpi::size(MPI_COMM_WORLD);
+  CHECK(mpi::max(rank, MPI_COMM_WORLD) == size - 1);
+  CHECK(mpi::min(static_cast<std::uint64_t>(rank) + 7, MPI_COMM_WORLD) == 7);
+  std::array<std::uint64_t, 2> values{1, static_cast<std::uint64_t>(rank)};
+  mpi::sum(values, MPI_COMM_WORLD);
+  CHECK(values[0] == static_cast<std::uint64_t>(size));
+  CHECK(values[1] == static_cast<std::uint64_t>(size * (size - 1) / 2));
+  CHECK(mpi::sum(0.5, MPI_COMM_WORLD) == 0.5 * size);
+  std::array<double, 2> numbers{0.5, static_cast<double>(rank)};
+  mpi::sum_on_root(numbers, MPI_COMM_WORLD);
+  if (rank == 0) CHECK(numbers == std::array<double, 2>{0.5 * size, size * (size - 1) / 2.0});
+}
+
+TEST_CASE("What rank 0 returns or throws is returned or thrown everywhere") {
+  int calls = 0;
+  const auto text = mpi::text_of_root(MPI_COMM_WORLD, [&] { return ++calls, std::string("done"); });
+  CHECK(text == "done");
+  CHECK(calls == (mpi::rank(MPI_COMM_WORLD) == 0));
+  CHECK_THROWS_AS(
+      mpi::text_of_root(MPI_COMM_WORLD, []() -> std::string { throw InputError("bad key"); }),
+      InputError);
+  const auto fail = [] { mpi::on_root(MPI_COMM_WORLD, [] { throw std::runtime_error("disk"); }); };
+  CHECK_THROWS_WITH(fail(), "disk");
+  CHECK_THROWS_AS(fail(), mpi::RootError);
+}
+
+TEST_CASE("What ranks compute in turn is known to all of them") {
+  struct Result {
+    std::size_t n;
+    double half;
+    char kind;
+  };
+  for (const std::size_t count : {0, 1, 2, 7}) {
+    const auto results = mpi::share(count, MPI_COMM_WORLD, [](std::size_t n) {
+      return Result{n, static_cast<double>(n) / 2, 'x'};
+    });
+    REQUIRE(results.size() == count);
+    for (std::size_t n = 0; n < count; ++n) {
+      CHECK(results[n].n == n);
+      CHECK(results[n].half == static_cast<double>(n) / 2);
+      CHECK(results[n].kind == 'x');
+    }
+  }
+}

@@ -1,0 +1,51 @@
+#include "trebsweep/base/number.hpp"
+
+#include "support/catch.hpp"
+#include "trebsweep/base/error.hpp"
+
+using namespace trebsweep;
+
+TEST_CASE("The whole text must be a number, but for blanks around it and a leading +") {
+  double x = 0;
+  for (const std::string good : {"1.5", " 1.5 ", "+1.5", "15e-1"}) {
+    CHECK(parses(good, x));
+    CHECK(x == 1.5);
+  }
+  for (const std::string bad : {"", " ", "1.5 m", "1,5", "0x1", "--1", "+-1", "1.5.", "1e999"})
+    CHECK_FALSE(parses(bad, x));
+  std::uint64_t n = 0;
+  CHECK(parses("18446744073709551615", n));
+  CHECK_FALSE(parses("18446744073709551616", n));
+  CHECK_FALSE(parses("-1", n));
+}
+
+TEST_CASE("A number outside its range is refused by key, value and range") {
+  CHECK(to_number("mass", "2", positive) == 2);
+  CHECK(to_number("mass", "0", not_negative) == 0);
+  CHECK_THROWS_WITH(to_number("mass", "0", positive), "mass = 0: must be a finite number above 0");
+  CHECK_THROWS_WITH(to_number("mass", "-0.1", not_negative),
+                    "mass = -0.1: must be a finite number not below 0");
+  CHECK_THROWS_WITH(to_number("level", "10", Range{0, 9}),
+                    "level = 10: must be a number from 0 to 9");
+  CHECK_THROWS_WITH(to_number("angle", "2", Range{0, 2, false}),
+                    "angle = 2: must be a number above 0 and below 2");
+  CHECK(to_number("mass", "0", physical_or_zero) == 0);
+  CHECK_THROWS_WITH(to_number("mass", "1e-13", physical_or_zero),
+                    "mass = 1e-13: must be 0, or a number from 1e-12 to 1e+12");
+  CHECK_THROWS_WITH(to_number("mass", "0", physical),
+                    "mass = 0: must be a number above 0, from 1e-12 to 1e+12");
+  for (const std::string value : {"nan", "inf", "-inf"})
+    CHECK_THROWS_AS(to_number("mass", value, positive), InputError);
+}
+
+TEST_CASE("Times are seconds, or said with colons as batch systems do") {
+  const auto seconds = [](const std::string& text) { return to_seconds("time-limit", text); };
+  CHECK(seconds("90") == 90);
+  CHECK(seconds("0.5") == 0.5);
+  CHECK(seconds("1:30") == 90);
+  CHECK(seconds("02:00:05") == 7205);
+  CHECK(seconds("1-12:00:00") == 129600);
+  for (const char* text :
+       {"", "0", "-5", "nan", "1:", ":30", "1-12", "1-12:00", "1:2:3:4", "1-2-3:4:5", "x", "1:-2"})
+    CHECK_THROWS_WITH(seconds(text), contains(std::string("time-limit = ") + text + ": must be"));
+}

@@ -1,0 +1,95 @@
+#include "trebsweep/cli/command_line.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "trebsweep/base/error.hpp"
+#include "trebsweep/job/key.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+CommandLine parse(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "trebsweep");
+  return parse_command_line(static_cast<int>(arguments.size()), arguments.data());
+}
+
+}  // namespace
+
+TEST_CASE("Keys of the job are options, in either form, before or after the job") {
+  const CommandLine line = parse({"sweep", "--solver.tolerance", "1e-9", "job.cfg", "--overwrite",
+                                  "--scene.gravity=-1", "--progress", "none"});
+  CHECK(line.command == Command::sweep);
+  CHECK(line.job_file == "job.cfg");
+  CHECK(line.overrides == Overrides{{"solver.tolerance", "1e-9"}, {"scene.gravity", "-1"}});
+  CHECK(line.overwrite);
+  CHECK(line.progress == ProgressStyle::none);
+}
+
+TEST_CASE("A sweep may have a time limit") {
+  CHECK(parse({"sweep", "j", "--time-limit", "1:30:00"}).time_limit == 5400);
+  CHECK(std::isinf(parse({"sweep", "j"}).time_limit));
+  CHECK_THROWS_WITH(parse({"sweep", "j", "--time-limit", "soon"}),
+                    contains("time-limit = soon: must be seconds"));
+}
+
+TEST_CASE("A negative number can follow its option as a word of its own") {
+  CHECK(parse({"sweep", "job.cfg", "--scene.gravity", "-1"}).overrides.at("scene.gravity") == "-1");
+}
+
+TEST_CASE("trace takes a design") {
+  const CommandLine line =
+      parse({"trace", "j", "--r1", "0.51", "--r2", "0.91", "--r3", "0.58", "--interval", "0.1"});
+  CHECK(line.command == Command::trace);
+  CHECK(line.design.r1 == 0.51);
+  CHECK(line.design.r2 == 0.91);
+  CHECK(line.design.r3 == 0.58);
+  CHECK(line.interval == 0.1);
+}
+
+TEST_CASE("Help of a command lists the keys that it uses, and no others") {
+  const auto lists = [](const char* command, const std::string& key) {
+    const CommandLine line = parse({command, "--help"});
+    CHECK(line.command == Command::help);
+    return line.help.find("--" + key + " ") != std::string::npos;
+  };
+  for (const Key& key : job_keys()) {
+    INFO(key.name);
+    const std::string section = key.section();
+    const bool physics = section == "scene" || section == "solver";
+    CHECK(lists("sweep", key.name) == (section != "assess"));
+    CHECK(lists("trace", key.name) == physics);
+    CHECK(lists("assess", key.name) == (section != "output" || key.name == "output.file"));
+    CHECK_FALSE(lists("info", key.name));
+  }
+  CHECK(parse({"--help"}).command == Command::help);
+  CHECK(parse({"--version"}).command == Command::version);
+}
+
+TEST_CASE("An option that a command does not use is refused") {
+  CHECK_THROWS_WITH(
+      parse({"trace", "j", "--r1", "1", "--r2", "1", "--r3", "1", "--output.file", "a.txt"}),
+      contains("--output.file: unknown option of trace"));
+  CHECK_THROWS_WITH(parse({"sweep", "j", "--assess.designs", "3"}),
+                    contains("--assess.designs: unknown option of sweep"));
+}
+
+TEST_CASE("Bad command lines are refused by what is wrong in them") {
+  CHECK_THROWS_WITH(parse({}), contains("no command"));
+  CHECK_THROWS_WITH(parse({"swep"}), contains("swep") && contains("sweep, trace, assess and info"));
+  CHECK_THROWS_WITH(parse({"sweep"}), contains("no job file"));
+  CHECK_THROWS_WITH(parse({"sweep", "a", "b"}), contains("b"));
+  CHECK_THROWS_WITH(parse({"sweep", "a", "--overwrit"}), contains("--overwrit"));
+  CHECK_THROWS_WITH(parse({"sweep", "a", "--solver.tol", "1"}), contains("solver.tol"));
+  CHECK_THROWS_WITH(parse({"sweep", "a", "--scene.gravity"}), contains("scene.gravity"));
+  CHECK_THROWS_WITH(parse({"sweep", "a", "--progress", "loud"}),
+                    contains("progress = loud: must be one of auto, bar, lines, none"));
+  CHECK_THROWS_WITH(parse({"sweep", "a", "--r1", "1"}), contains("--r1"));
+  CHECK_THROWS_WITH(parse({"trace", "a", "--r1", "1"}), contains("--r3"));
+  CHECK_THROWS_WITH(parse({"trace", "a", "--r1", "-1", "--r2", "1", "--r3", "1"}),
+                    contains("r1 = -1: must be a number above 0"));
+  CHECK_THROWS_WITH(parse({"trace", "a", "--r1", "1", "--r2", "1", "--r3", "1", "--interval", "0"}),
+                    contains("interval = 0"));
+}

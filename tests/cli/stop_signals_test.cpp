@@ -1,0 +1,20 @@
+#include "trebsweep/cli/stop_signals.hpp"
+
+#include <signal.h>
+
+#include "support/catch.hpp"
+
+using namespace trebsweep;
+
+TEST_CASE("Each of the signals asks to stop, and is forgotten afterwards") {
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) {
+    const StopSignals signals;
+    CHECK_FALSE(signals.requested());
+    raise(number);
+    CHECK(signals.requested());
+    raise(number);
+    CHECK(signals.requested());
+  }
+  const StopSignals signals;
+  CHECK_FALSE(signals.requested());
+}

@@ -1,0 +1,40 @@
+#include "trebsweep/job/sample.hpp"
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+
+#include "support/catch.hpp"
+
+using namespace trebsweep;
+
+TEST_CASE("A sample has the corners, and as many designs more as asked for, all different") {
+  const Lattice lattice(Scene{}, LatticeSpec{});
+  const auto designs = sample(lattice, 100);
+  CHECK(designs.size() == 106);
+  std::set<std::tuple<double, double, double>> different;
+  for (const auto& [r1, r3, r2] : designs) {
+    CHECK(r2 < 1.5 - r3 + 1e-9);
+    different.emplace(r1, r3, r2);
+  }
+  CHECK(different.size() == designs.size());
+  for (const auto& corner : {std::tuple(0.51, 0.3, 0.01), std::tuple(1.49, 0.3, 1.19),
+                             std::tuple(0.51, 1.48, 0.01), std::tuple(1.49, 0.3, 0.01)})
+    CHECK(different.count(corner) == 1);
+}
+
+TEST_CASE("A sample is spread over the lattice") {
+  const auto designs = sample(Lattice(Scene{}, LatticeSpec{}), 200);
+  const auto below = std::count_if(designs.begin(), designs.end(),
+                                   [](const Design<double>& d) { return d.r1 < 1; });
+  CHECK(static_cast<double>(below) / static_cast<double>(designs.size()) ==
+        Approx(0.5).margin(0.05));
+}
+
+TEST_CASE("A sample of a small lattice is all of it") {
+  LatticeSpec spec;
+  spec.increment = 0.25;
+  const Lattice lattice(Scene{}, spec);
+  CHECK(sample(lattice, 1000).size() == lattice.designs());
+  CHECK(all_designs(lattice).size() == lattice.designs());
+}

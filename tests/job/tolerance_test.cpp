@@ -1,0 +1,46 @@
+#include "trebsweep/job/tolerance.hpp"
+
+#include <cmath>
+
+#include "support/catch.hpp"
+#include "trebsweep/base/error.hpp"
+#include "trebsweep/job/sample.hpp"
+#include "trebsweep/swing/integrate.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+Job job_with_target(const std::string& stepper, double target) {
+  Job job;
+  job.lattice.increment = 0.02;
+  job.solver = solver_of(stepper, 1e-9, job.solver);
+  job.solver.target_error = target;
+  return job;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "A tolerance chosen for a target keeps the whole lattice within it, and is not far too tight") {
+  for (const std::string stepper : {"cash_karp54", "dopri5", "fehlberg78"})
+    for (const double target : {1e-3, 1e-6, 1e-9}) {
+      const Job job = job_with_target(stepper, target);
+      const auto designs = all_designs(Lattice(job.scene, job.lattice));
+      std::vector<SwingResult> results(designs.size()), truth(designs.size());
+      const Solver chosen = solver_of(stepper, tolerance_for_target(job), job.solver);
+      integrate(job.scene, chosen, {designs, results});
+      integrate(job.scene, solver_of("fehlberg78", 1e-13, job.solver), {designs, truth});
+      double largest = 0;
+      for (std::size_t i = 0; i < results.size(); ++i)
+        largest = std::max(largest, std::abs(results[i].speed - truth[i].speed));
+      INFO(stepper << " for " << target);
+      CHECK(largest <= target);
+      CHECK(largest > target / 1000);
+    }
+}
+
+TEST_CASE("A target that no tolerance reaches is refused with what can be reached") {
+  CHECK_THROWS_WITH(tolerance_for_target(job_with_target("dopri5", 1e-18)),
+                    contains("solver.target-error = 1e-18: must be at least"));
+}

@@ -1,0 +1,119 @@
+#include "support/catch.hpp"
+#include "trebsweep/ode/steppers.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+constexpr double end_time = 0.5;
+
+/// The state of the paper's optimum after half a second in equal steps.
+template <class Stepper>
+State<double> integrate(int steps) {
+  const Motion<double> motion(Scene{}, {0.51, 0.58, 0.91});
+  Stepper stepper;
+  auto now = instant(motion, 0.0, start<double>(Scene{}, {0.51, 0.58, 0.91}));
+  Instant<double> to;
+  State<double> error;
+  for (int i = 0; i < steps; ++i, now = to)
+    advance(stepper, motion, now, end_time / steps, to, error);
+  return now.x;
+}
+
+template <class T>
+T distance(const State<T>& a, const State<std::type_identity_t<T>>& b) {
+  T largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+/// log2 of the error's ratio between `steps` and twice as many.
+template <class Stepper>
+double observed_order(int steps) {
+  const auto truth = integrate<Fehlberg78<double>>(1000);
+  return std::log2(distance(integrate<Stepper>(steps), truth) /
+                   distance(integrate<Stepper>(2 * steps), truth));
+}
+
+}  // namespace
+
+TEST_CASE("Each stepper converges at its order") {
+  CHECK(observed_order<Euler<double>>(800) == Approx(1).margin(0.1));
+  CHECK(observed_order<ModifiedMidpoint<double>>(400) == Approx(2).margin(0.1));
+  CHECK(observed_order<RungeKutta4<double>>(80) == Approx(4).margin(0.2));
+  CHECK(observed_order<CashKarp54<double>>(40) == Approx(5).margin(0.2));
+  CHECK(observed_order<Dopri5<double>>(40) == Approx(5).margin(0.2));
+  CHECK(observed_order<Fehlberg78<double>>(10) == Approx(8).margin(0.3));
+}
+
+TEST_CASE("A step carries the right-hand side at its end") {
+  const Motion<double> motion(Scene{}, {0.51, 0.58, 0.91});
+  for (const auto name : pack_stepper_names)
+    with_pack_stepper(
+        name, [&]<template <class, Effects = Effects{}> class Stepper>() {
+          Stepper<double> stepper;
+          Instant<double> to;
+          State<double> error;
+          advance(stepper, motion, instant(motion, 0.25, {0.4, -0.3, 1, -2}), 0.125, to, error);
+          const auto same = instant(motion, 0.375, to.x);
+          CHECK(to.t == 0.375);
+          // An adaptive stepper integrates the directions, up to its error.
+          const double margin = is_adaptive<Stepper<double>> ? 1e-4 : 0;
+          CHECK(distance(to.at, same.at) <= margin);
+          CHECK(distance(to.dxdt, same.dxdt) <= 100 * margin);
+        });
+}
+
+TEST_CASE("The error estimate of an adaptive stepper shrinks with its order") {
+  using Real =
+      long double;  // at steps short enough for the order, fehlberg78 is below double's rounding
+  const Motion<Real> motion(Scene{}, {Real(0.51), Real(0.58), Real(0.91)});
+  for (const auto name : pack_stepper_names)
+    with_pack_stepper(
+        name, [&]<template <class, Effects = Effects{}> class Stepper>() {
+          if constexpr (is_adaptive<Stepper<Real>>) {
+            Stepper<Real> stepper;
+            const auto from = instant<Real>(motion, 0, {Real(0.4), Real(-0.3), 1, -2});
+            Instant<Real> to;
+            State<Real> error{}, half{};
+            advance(stepper, motion, from, Real(0.02), to, error);
+            advance(stepper, motion, from, Real(0.01), to, half);
+            const auto order =
+                static_cast<double>(std::log2(distance(error, {}) / distance(half, {})));
+            CHECK(order == Approx(stepper.error_order() + 1).margin(0.25));
+          }
+        });
+}
+
+TEST_CASE("An unknown stepper is refused") {
+  REQUIRE_THROWS_AS(with_stepper("leapfrog", []<template <class, Effects = Effects{}> class>(){}),
+                    std::logic_error);
+}
+
+TEST_CASE("The steppers that follow a tolerance are those that find their own steps") {
+  for (const auto name : stepper_names)
+    with_stepper(
+        name, [&]<template <class, Effects = Effects{}> class Stepper>() {
+          CHECK(follows_tolerance(name) == is_adaptive<Stepper<double>>);
+        });
+}
+
+TEST_CASE("A swing's first extrapolated step is the same whatever was integrated before") {
+  const Solver solver{.tolerance = 1e-9};
+  const auto first_step = [](auto& stepper, const Motion<double>& motion, double h, auto& to) {
+    const auto from = instant(motion, 0.0, {0.4, -0.3, 1, -2});
+    return try_step(stepper, motion, from, h, to, 1e-9);
+  };
+  const Motion<double> motion(Scene{}, {0.51, 0.58, 0.91}), other(Scene{}, {0.3, 1.5, 0.2});
+  for (const double h : {0.001, 0.01, 0.05, 0.2}) {
+    BulirschStoer<double> fresh(solver), used(solver);
+    Instant<double> expected, to;
+    const auto before = first_step(used, other, h, to);
+    // Odeint's stepper goes on with what it has learned where it gets the step that it wished.
+    const auto wanted = first_step(fresh, motion, before.next, expected);
+    const auto got = first_step(used, motion, before.next, to);
+    CHECK(got.good == wanted.good);
+    CHECK(got.next == wanted.next);
+    CHECK(to.x == expected.x);
+  }
+}

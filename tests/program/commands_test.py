@@ -1,0 +1,715 @@
+"""The commands as a user meets them: exit codes, messages, files, and archives in the tools people use.
+
+Needs TREBSWEEP (the program) and MPIEXEC in the environment.
+"""
+
+import itertools
+import os
+import re
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+import xarray as xr
+
+PROGRAM = os.environ["TREBSWEEP"]
+REPOSITORY = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+MPIEXEC = os.environ["MPIEXEC"]
+JOBS = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "jobs")
+KERNELS = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
+COARSE = ("--lattice.increment", "0.1")
+
+
+def wide_kernels():
+    """Whether there are kernels for AVX2 and AVX-512, and a machine for both."""
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        return "avx512dq" in file.read() and os.path.isdir(KERNELS)
+
+
+class CommandTest(unittest.TestCase):
+    """Runs the program in a folder of its own."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="trebsweep_")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.job = self.write("job.cfg", "[solver]\nstepper = dopri5\nrelease = crossing\n")
+
+    def write(self, name, text):
+        path = os.path.join(self.folder, name)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def run_program(self, *arguments, ranks=None, code=0, environment=None):
+        launcher = [MPIEXEC, "-n", str(ranks)] if ranks else []
+        done = subprocess.run([*launcher, PROGRAM, *arguments], cwd=self.folder, text=True,
+                              capture_output=True, timeout=120, check=False,
+                              env={**os.environ, **(environment or {})})
+        if code is not None:
+            self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def assert_refused(self, arguments, *words):
+        """Exit code 2, one line that holds the words, and nothing new in the folder."""
+        before = self.snapshot()
+        done = self.run_program(*arguments, code=2)
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        for word in ("trebsweep: ", *words):
+            self.assertIn(word, done.stderr)
+        self.assertEqual(self.snapshot(), before)
+
+    def snapshot(self):
+        """Names and contents of the folder's files."""
+        files = {}
+        for name in os.listdir(self.folder):
+            if os.path.isfile(self.path(name)):
+                with open(self.path(name), "rb") as file:
+                    files[name] = file.read()
+        return files
+
+
+class Help(CommandTest):
+    def test_help_and_version_go_to_stdout(self):
+        for command in ([], ["sweep"], ["trace"], ["assess"], ["info"]):
+            self.assertIn("trebsweep", self.run_program(*command, "--help").stdout)
+        self.assertRegex(self.run_program("--version").stdout,
+                         r"^trebsweep \d+\.\d+\.\d+ \(.+\)\nkernel: .+ \(\d lanes\)\n$")
+
+
+    def test_commands_of_one_process_do_not_start_mpi(self):
+        # A message layer that does not exist makes MPI_Init of Open MPI fail.
+        broken = {"OMPI_MCA_pml": "missing"}
+        if "Open MPI" not in subprocess.run([MPIEXEC, "--version"], capture_output=True, text=True,
+                                            check=True).stdout:
+            self.skipTest("knows how to break Open MPI only")
+        self.assertNotEqual(subprocess.run([PROGRAM, "sweep", self.job, *COARSE], cwd=self.folder, check=False,
+                                           capture_output=True, env={**os.environ, **broken}).returncode, 0)
+        for arguments in (["--help"], ["--version"], ["sweep", "--help"], ["assess", "-h"],
+                          ["trace", self.job, *Trace.DESIGN], ["trace", "--help"]):
+            self.assertTrue(self.run_program(*arguments, environment=broken).stdout)
+
+    def test_one_rank_speaks_for_all(self):
+        for arguments in (["--version"], ["trace", self.job, *Trace.DESIGN]):
+            self.assertEqual(self.run_program(*arguments, ranks=3).stdout, self.run_program(*arguments).stdout)
+
+
+class Precedence(CommandTest):
+    """A scene key in each of its four places, the highest precedence first."""
+
+    PLACES = ("option", "option's file", "job", "job's file")
+
+    def projectile_mass(self, places):
+        """The value that a sweep takes when the key is given in some places, each with its own number."""
+        arguments, job = [], "[scene]\n"
+        for place in places:
+            mass = f"projectile-mass = {50 + self.PLACES.index(place)}\n"
+            if place == "option":
+                arguments += ["--scene.projectile-mass", mass.split()[-1]]
+            elif place == "job":
+                job += mass
+            else:
+                path = self.write(f"scene{self.PLACES.index(place)}.cfg", f"[scene]\n{mass}")
+                if place == "job's file":
+                    job += f"file = {os.path.basename(path)}\n"
+                else:
+                    arguments += ["--scene.file", path]
+        path = self.write("job.cfg", job + "[lattice]\nincrement = 0.3\n")
+        done = self.run_program("sweep", path, *arguments, "--overwrite")
+        with h5py.File(self.path("job.h5")) as file:
+            line = next(x for x in file.attrs["job"].splitlines() if x.startswith("projectile-mass"))
+        self.assertIn(line, done.stdout)  # the summary names it
+        return int(line.split()[-1])
+
+    def test_of_each_pair_of_places_the_higher_one_wins(self):
+        for high, low in itertools.combinations(self.PLACES, 2):
+            with self.subTest(high=high, low=low):
+                self.assertEqual(self.projectile_mass([high, low]), 50 + self.PLACES.index(high))
+        for place in self.PLACES:
+            with self.subTest(place=place):
+                self.assertEqual(self.projectile_mass([place]), 50 + self.PLACES.index(place))
+
+    def test_a_scene_file_as_an_option_changes_the_papers_sweep(self):
+        wood = os.path.join(JOBS, "scenes", "wood.cfg")
+        done = self.run_program("sweep", os.path.join(JOBS, "paper.cfg"), "--scene.file", wood, *COARSE)
+        self.assertIn(f"scene     {wood}: beam-density = 700, beam-side = 0.2, beam-inertia = prism",
+                      done.stdout)
+        self.assertIn("solver    euler, time step 0.01 s", done.stdout)
+        info = self.run_program("info", "paper.h5").stdout
+        for line in done.stdout.splitlines():
+            if line.startswith(("scene ", "solver ")):
+                self.assertIn(line, info)
+
+
+class Warnings(CommandTest):
+    """What makes an answer doubtful is said on stderr, once each."""
+
+    def warnings(self, *arguments, job=None):
+        done = self.run_program("sweep", job or self.job, *arguments, "--overwrite", "--progress", "none", ranks=2)
+        return [line for line in done.stderr.splitlines() if line.startswith("warning: ")]
+
+    def test_an_optimum_on_an_edge_of_the_lattice_is_named_with_its_bound(self):
+        [warning] = self.warnings(*COARSE)
+        self.assertIn("on the edge of the lattice: r1 = 0.6 m, the smallest allowed by h - h0 < r1 (47); "
+                      "r2 = 0.9 m, the largest allowed by r2 < h0 - r3 (49)", warning)
+        [warning] = self.warnings("--lattice.r1", "0.6:0.8:0.1", "--lattice.r3", "0.58", "--lattice.r2", "0.8:1:0.1")
+        self.assertIn("the smallest allowed by lattice.r1", warning)
+        self.assertNotIn("r3", warning)
+
+    def test_an_optimum_inside_the_lattice_is_not_doubtful(self):
+        self.assertEqual(self.warnings("--lattice.r1", "0.505:0.52:0.001", "--lattice.r3", "0.582",
+                                       "--lattice.r2", "0.916"), [])
+
+    def test_steps_that_change_statuses_or_create_energy_are_seen(self):
+        euler = self.write("euler.cfg", "[solver]\nstepper = euler\nrelease = window\ntime-step = 0.1\n")
+        warnings = self.warnings("--lattice.increment", "0.05", job=euler)
+        self.assertEqual(sum("another status when integrated accurately" in line for line in warnings), 1)
+        self.assertEqual(sum("an energy efficiency above 1" in line for line in warnings), 1)
+
+    def test_slack_slings_among_the_best_are_counted(self):
+        warnings = self.warnings("--scene.sling-angle", "1.5", "--lattice.increment", "0.05")
+        self.assertEqual(sum("sling that would go slack" in line for line in warnings), 1)
+        warnings = self.warnings("--scene.sling-angle", "1.5", "--lattice.increment", "0.05", "--output.optimum", "taut")
+        self.assertEqual(sum("sling that would go slack" in line for line in warnings), 0)
+
+
+class AccurateByDefault(CommandTest):
+    TABLETOP = ("[scene]\nfulcrum-height = 0.3\nrelease-height = 0.4\ncounterweight-mass = 2\n"
+                "projectile-mass = 0.02\nbeam-side = 0.01\nbeam-density = 700\n"
+                "[lattice]\nincrement = 0.02\nshortest-sling = 0.06\n")
+
+    def test_a_job_without_a_solver_is_right_to_1e_7(self):
+        job = self.write("tabletop.cfg", self.TABLETOP)
+        self.run_program("sweep", job, "--output.fields", "speed, speed-error, status")
+        with h5py.File(self.path("tabletop.h5")) as file:
+            self.assertLess(np.nanmax(np.abs(file["speed_error"][...])), 1e-7)
+
+    def test_a_counterweight_that_cannot_lift_the_projectile_releases_nothing(self):
+        # The paper's Euler method releases some of these designs, the fastest at thousands of metres per second.
+        job = self.write("heavy.cfg", "[scene]\nprojectile-mass = 1e8\n[lattice]\nincrement = 0.1\n")
+        self.assertIn("optimum   none: nothing was released", self.run_program("sweep", job).stdout)
+
+    def test_keys_that_the_solver_does_not_use_are_refused(self):
+        self.assert_refused(["sweep", self.job, "--solver.time-step", "0.01"],
+                            "solver.time-step = 0.01: must be left out", "solver.tolerance")
+        self.assert_refused(["sweep", self.job, "--solver.release-window", "0.01"],
+                            "solver.release-window = 0.01: must be left out")
+        paper = os.path.join(JOBS, "paper.cfg")
+        self.assert_refused(["sweep", paper, "--solver.tolerance", "1e-9"],
+                            "solver.tolerance = 1e-9: must be left out", "solver.time-step")
+        self.assert_refused(["sweep", paper, "--solver.stepper", "dopri5"], "solver.release = window")
+
+
+class Scale(CommandTest):
+    def test_an_axis_of_millions_makes_progress_within_seconds(self):
+        command = ["sweep", self.job, "--lattice.r1", "0.6", "--lattice.r3", "0.58", "--lattice.r2", "0.1:0.9999999:1e-7",
+                   "--solver.stepper", "fehlberg78", "--time-limit", "4"]
+        done = 0
+        while not os.path.exists(self.path("job.h5")):
+            run = self.run_program(*command, ranks=2, code=None)
+            self.assertIn(run.returncode, (0, 75), run.stderr)
+            if run.returncode == 75:
+                before, done = done, int(re.search(r"stopped with (\d+) designs done", run.stderr).group(1))
+                self.assertGreater(done, before)
+
+
+class Output(CommandTest):
+    def test_a_summary_that_cannot_be_written_is_an_error(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = subprocess.run([PROGRAM, "sweep", self.job, *COARSE], cwd=self.folder, stdout=full,
+                                  stderr=subprocess.PIPE, text=True, timeout=120, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("cannot write to stdout", done.stderr)
+
+
+class BadInput(CommandTest):
+    def test_impossible_physics_names_key_value_and_what_is_allowed(self):
+        for key in ("gravity", "counterweight-mass", "projectile-mass", "release-height",
+                    "fulcrum-height"):
+            for value in ("0", "-1", "nan", "inf"):
+                with self.subTest(key=key, value=value):
+                    self.assert_refused(["sweep", self.job, f"--scene.{key}", value],
+                                        f"scene.{key} = {value}", "above 0")
+
+    def test_lattices_without_or_with_too_many_designs(self):
+        self.assert_refused(["sweep", self.job, "--scene.release-height", "3.5"],
+                            "scene.release-height = 3.5", "leaves no design")
+        for value in ("0", "-0.01", "nan"):
+            self.assert_refused(["sweep", self.job, "--lattice.increment", value],
+                                f"lattice.increment = {value}", "above 0")
+        self.assert_refused(["sweep", self.job, "--lattice.increment", "1e-8"],
+                            "lattice.increment = 1e-08", "would make a lattice of", "1e+12")
+
+    def test_axes(self):
+        for value in ("1:0.5:0.1", "a:b:c", "0.5:1:0", "0.5:1", "nan"):
+            self.assert_refused(["sweep", self.job, f"--lattice.r1={value}"],
+                                "lattice.r1", "first:last:step")
+
+    def test_choices_are_listed(self):
+        self.assert_refused(["sweep", self.job, "--solver.stepper", "leapfrog"],
+                            "solver.stepper = leapfrog", "euler", "dopri5")
+        self.assert_refused(["sweep", self.job, "--output.fields", "speed,mass"],
+                            "output.fields = mass", "release-time")
+        self.assert_refused(["sweep", self.job, "--output.storage", "float16"],
+                            "output.storage = float16", "float64, float32")
+        self.assert_refused(["sweep", self.job, "--output.compression", "10"],
+                            "output.compression = 10", "0 to 9")
+
+    def test_unknown_keys_in_the_file_and_on_the_command_line(self):
+        job = self.write("typo.cfg", "[scene]\ngravitiy = 9.8\n")
+        self.assert_refused(["sweep", job], "scene.gravitiy", "counterweight-mass")
+        self.assert_refused(["sweep", self.job, "--scene.gravitiy", "9.8"], "scene.gravitiy")
+        self.assert_refused(["sweep", self.job, "--overwrit"], "--overwrit")
+        self.assert_refused(["swep", self.job], "swep", "sweep, trace, assess and info")
+
+    def test_job_files_that_are_none(self):
+        self.assert_refused(["sweep", "missing.cfg"], "missing.cfg", "No such file")
+        self.assert_refused(["sweep", self.folder], self.folder, "directory")
+        with open(self.path("binary.cfg"), "wb") as file:
+            file.write(bytes(range(256)))
+        self.assert_refused(["sweep", "binary.cfg"], "binary.cfg", "not a text file")
+        text = self.write("words.cfg", "This is no job.\n")
+        self.assert_refused(["sweep", text], "words.cfg")
+
+    def test_places_that_cannot_be_written(self):
+        self.assert_refused(["sweep", self.job, "--output.file", "no/such/folder.h5"],
+                            "output.file = no/such/folder.h5", "no/such")
+        self.assert_refused(["sweep", self.job, "--output.file", self.folder],
+                            f"output.file = {self.folder}", "is a folder")
+        # Root may write in any folder: a name too long for every file system stands for one that is closed.
+        self.assert_refused(["sweep", self.job, "--output.file", "x" * 300],
+                            "output.file = xxx", "cannot write in .", "too long")
+
+    def test_all_ranks_end_together_with_one_message(self):
+        done = self.run_program("sweep", self.job, "--scene.gravity", "-1", ranks=3, code=2)
+        self.assertEqual(done.stderr.count("scene.gravity = -1"), 1)
+        done = self.run_program("sweep", "missing.cfg", ranks=2, code=2)
+        self.assertEqual(done.stderr.count("No such file"), 1)
+
+
+class Sweep(CommandTest):
+    def test_summary_and_archive(self):
+        done = self.run_program("sweep", self.job, *COARSE)
+        self.assertIn("optimum   ", done.stdout)
+        self.assertIn("archive   job.h5", done.stdout)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["job.cfg", "job.h5"])
+
+    def test_maps_are_bitwise_the_same_on_any_number_of_ranks(self):
+        for ranks in (1, 2, 3, 5, 16):
+            self.run_program("sweep", self.job, *COARSE, "--output.file", f"{ranks}.h5", ranks=ranks)
+        with h5py.File(self.path("1.h5")) as alone:
+            for ranks in (2, 3, 5, 16):
+                with h5py.File(self.path(f"{ranks}.h5")) as other:
+                    for field in ("speed", "release_time", "status"):
+                        self.assertEqual(alone[field][...].tobytes(), other[field][...].tobytes())
+                    self.assertEqual(alone.attrs["best_speed"], other.attrs["best_speed"])
+
+    def test_maps_are_bitwise_the_same_with_avx2_and_avx512(self):
+        if not wide_kernels():
+            self.skipTest("this machine, or this build, lacks AVX-512")
+        for stepper in ("euler", "rk4", "cash_karp54", "dopri5", "fehlberg78"):
+            maps = []
+            for level, name in (("x86-64-v3", "AVX2"), ("x86-64-v4", "AVX-512")):
+                environment = {"LD_LIBRARY_PATH": os.path.join(KERNELS, level)}
+                self.assertIn(name, self.run_program("--version", environment=environment).stdout)
+                self.run_program("sweep", self.job, *COARSE, "--solver.stepper", stepper,
+                                 "--output.file", "map.h5", "--overwrite", environment=environment)
+                with h5py.File(self.path("map.h5")) as archive:
+                    maps.append([archive[field][...].tobytes()
+                                 for field in ("speed", "release_time", "status")])
+            self.assertEqual(maps[0], maps[1])
+
+    @unittest.skipUnless(wide_kernels(), "needs kernels with and without FMA")
+    def test_ranks_on_unlike_machines_are_refused(self):
+        rank = [PROGRAM, "sweep", self.job, *COARSE]
+        old = ["env", "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX512F,-AVX2", *rank]
+        done = subprocess.run([MPIEXEC, "-n", "1", *rank, ":", "-n", "1", *old], cwd=self.folder,
+                              text=True, capture_output=True, timeout=120, check=False)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("trebsweep: some ranks are on machines with", done.stderr)
+        self.assertEqual(os.listdir(self.folder), ["job.cfg"])
+
+    def test_effects_and_fields_are_bitwise_the_same_with_avx2_and_avx512_and_on_ranks(self):
+        levels = ["x86-64-v3", "x86-64-v4"] if wide_kernels() else [""]
+        fields = ["speed", "status", "slack", "range", "energy-drift", "peak-sling-tension",
+                  "peak-beam-stress", "efficiency", "steps"]
+        for scene in ("friction", "heavy_sling", "elastic_sling"):
+            maps = []
+            for level in levels:
+                for ranks in (1, 2):
+                    self.run_program(
+                        "sweep", self.job, *COARSE, "--solver.stepper", "fehlberg78",
+                        "--scene.file", os.path.join(REPOSITORY, "jobs", "scenes", f"{scene}.cfg"),
+                        "--output.fields", ", ".join(fields), "--output.file", "map.h5",
+                        "--overwrite", ranks=ranks,
+                        environment={"LD_LIBRARY_PATH": os.path.join(KERNELS, level)})
+                    with h5py.File(self.path("map.h5")) as archive:
+                        maps.append([archive[field.replace("-", "_")][...].tobytes()
+                                     for field in fields])
+                        drift = archive["energy_drift"][...]
+                        self.assertLess(np.nanmax(abs(drift)), 1e-6)
+                        self.assertTrue({0, 1} <= set(np.unique(archive["slack"])) <= {0, 1, 2})
+            for other in maps[1:]:
+                self.assertEqual(maps[0], other)
+
+    def test_the_fastest_taut_shot_can_be_asked_for(self):
+        arguments = (*COARSE, "--scene.sling-angle", "1.5", "--solver.stepper", "fehlberg78")
+        self.run_program("sweep", self.job, *arguments, "--output.fields", "speed, slack",
+                         "--output.file", "all.h5")
+        done = self.run_program("sweep", self.job, *arguments, "--output.optimum", "taut",
+                                "--output.file", "taut.h5")
+        with h5py.File(self.path("all.h5")) as archive, h5py.File(self.path("taut.h5")) as taut:
+            slack, speed = archive["slack"][...], archive["speed"][...]
+            self.assertTrue((slack == 2).any())
+            if (slack == 1).any():
+                self.assertEqual(taut.attrs["best_speed"], speed[slack == 1].max())
+            else:
+                self.assertIn("with a taut sling", done.stdout)
+
+    def test_archive_opens_in_xarray(self):
+        self.run_program("sweep", self.job, *COARSE, ranks=2)
+        for engine in ("netcdf4", "h5netcdf"):
+            with xr.open_dataset(self.path("job.h5"), engine=engine) as data:
+                self.assertEqual(data.speed.dims, ("r1", "r3", "r2"))
+                self.assertEqual([data[axis].units for axis in ("r1", "r3", "r2")], ["m"] * 3)
+                self.assertEqual(data.speed.units, "m s-1")
+                self.assertEqual(data.release_time.units, "s")
+                self.assertEqual(data.speed.ancillary_variables, "status")
+                self.assertEqual(data.status.dtype, np.uint8)
+                flags = dict(zip(data.status.flag_meanings.split(), data.status.flag_values))
+                released = data.status == flags["released"]
+                self.assertTrue((released == data.speed.notnull()).all())
+                self.assertTrue(((data.status == flags["outside_lattice"])
+                                 == (data.r2 > 1.5 - data.r3 - 1e-6)).all())
+                best = data.speed.sel(r1=data.best_r1, r3=data.best_r3, r2=data.best_r2)
+                self.assertEqual(float(best), data.best_speed)
+                self.assertEqual(float(data.speed.max()), data.best_speed)
+                self.assertTrue((data.tile_done == 1).all())
+
+    def test_archive_says_where_it_comes_from(self):
+        self.run_program("sweep", self.job, *COARSE, "--scene.gravity", "9.81")
+        with h5py.File(self.path("job.h5")) as file:
+            attributes = dict(file.attrs)
+        self.assertEqual(attributes["Conventions"], "CF-1.10")
+        self.assertEqual(attributes["format_version"], 3)
+        self.assertRegex(attributes["source"], r"^trebsweep \d")
+        self.assertIn("--scene.gravity 9.81", attributes["history"])
+        self.assertIn("gravity = 9.81\n", attributes["job"])
+        self.assertGreaterEqual(attributes["sweep_seconds"], attributes["integration_seconds"])
+
+    def test_the_stored_job_runs_again_to_the_same_maps(self):
+        self.run_program("sweep", self.job, *COARSE, "--scene.projectile-mass", "55")
+        with h5py.File(self.path("job.h5")) as file:
+            again = self.write("again.cfg", file.attrs["job"])
+            speed = file["speed"][...]
+        self.run_program("sweep", again, "--output.file", "again.h5")
+        with h5py.File(self.path("again.h5")) as file:
+            self.assertEqual(file["speed"][...].tobytes(), speed.tobytes())
+
+    def test_compression_and_float32_keep_the_values(self):
+        self.run_program("sweep", self.job, *COARSE)
+        self.run_program("sweep", self.job, *COARSE, "--output.compression", "5",
+                         "--output.storage", "float32", "--output.file", "small.h5", ranks=2)
+        with h5py.File(self.path("job.h5")) as plain, h5py.File(self.path("small.h5")) as small:
+            self.assertEqual(small["speed"].dtype, np.float32)
+            self.assertEqual(small["speed"].compression, "gzip")
+            self.assertTrue(small["speed"].shuffle)
+            np.testing.assert_array_equal(small["speed"][...],
+                                          plain["speed"][...].astype(np.float32))
+            np.testing.assert_array_equal(small["status"][...], plain["status"][...])
+
+    def test_progress_goes_to_stderr_as_asked(self):
+        done = self.run_program("sweep", self.job, *COARSE, "--progress", "bar")
+        self.assertIn("100 %", done.stderr)
+        self.assertNotIn("left", done.stdout)
+        done = self.run_program("sweep", self.job, *COARSE, "--progress", "none", "--overwrite")
+        self.assertNotIn("%", done.stderr.replace("within 5 %", ""))
+
+
+class LongPaths(CommandTest):
+    def test_an_archive_has_a_path_of_up_to_200_characters(self):
+        folder = "a" * 100
+        os.makedirs(self.path(folder))
+        longest = os.path.join(folder, "b" * (200 - len(folder) - 1))
+        for ranks in (None, 2):
+            self.run_program("sweep", self.job, *COARSE, "--overwrite", "--output.file", longest, ranks=ranks)
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", longest + "c"],
+                            "too long: 201 characters, at most 200 are allowed")
+
+
+class ExistingFiles(CommandTest):
+    def unfinished(self, *options):
+        """Leaves an unfinished sweep, job.h5.partial; returns the command that continues it."""
+        command = ["sweep", self.job, "--lattice.increment", "0.003", "--solver.stepper", "dopri5"]
+        for limit in ("0.7", "1.5", "3", "6", "12"):
+            self.run_program(*command, *options, "--time-limit", limit, code=75)
+            if os.path.exists(self.path("job.h5.partial")):
+                return command
+        return self.fail("no machine is that slow")
+
+    def test_a_continued_sweep_replaces_no_archive_that_has_come_meanwhile(self):
+        self.run_program("sweep", self.job, *COARSE, "--scene.gravity", "9.7", "--output.file", "other.h5")
+        command = self.unfinished()
+        os.rename(self.path("other.h5"), self.path("job.h5"))
+        self.assert_refused(command, "holds the archive of another job", "move it away to continue")
+        os.remove(self.path("job.h5"))
+        self.run_program(*command)
+
+    def test_a_continued_replacement_replaces_only_the_archive_that_it_was_begun_for(self):
+        self.run_program("sweep", self.job, *COARSE)
+        command = self.unfinished("--overwrite")
+        self.run_program(*command)
+        with h5py.File(self.path("job.h5")) as file:
+            self.assertIn("increment = 0.003", file.attrs["job"])
+
+    def test_a_complete_archive_that_lost_something_is_not_called_complete(self):
+        def lose(name):
+            def damage(file):
+                del file[name]
+            return damage
+
+        for damage in (lose("speed"), lose("r1"), lose("tile_tally"), lambda file: file.attrs.pop("source")):
+            self.run_program("sweep", self.job, *COARSE, "--overwrite")
+            with h5py.File(self.path("job.h5"), "r+") as file:
+                damage(file)
+            self.assert_refused(["sweep", self.job, *COARSE], "output.file = job.h5")
+            self.run_program("info", "job.h5", code=1)
+            os.remove(self.path("job.h5"))
+
+    def test_an_archive_without_tile_done_is_damaged_and_no_assessment(self):
+        self.run_program("sweep", self.job, *COARSE)
+        with h5py.File(self.path("job.h5"), "r+") as file:
+            del file["tile_done"]
+        self.assertIn("damaged", self.run_program("info", "job.h5", code=1).stderr)
+
+    def test_ranks_that_do_not_see_the_file_end_instead_of_waiting(self):
+        os.mkdir(self.path("elsewhere"))
+        rank = [PROGRAM, "sweep", self.job, *COARSE, "--output.file", "seen.h5"]
+        done = subprocess.run([MPIEXEC, "-n", "1", *rank, ":", "-n", "1", "-wdir", self.path("elsewhere"), *rank],
+                              cwd=self.folder, text=True, capture_output=True, timeout=60, check=False)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("rank 1 does not see seen.h5.partial.new", done.stderr)
+        self.assertEqual([name for name in os.listdir(self.folder) if name.startswith("seen")], [])
+
+    def test_the_same_job_is_done_already(self):
+        self.run_program("sweep", self.job, *COARSE)
+        before = self.snapshot()
+        done = self.run_program("sweep", self.job, *COARSE, ranks=2)
+        self.assertIn("job.h5 holds the complete archive of this job", done.stderr)
+        self.assertEqual(self.snapshot(), before)
+
+    def test_another_jobs_archive_is_kept_unless_overwritten(self):
+        self.run_program("sweep", self.job, *COARSE)
+        self.assert_refused(["sweep", self.job, *COARSE, "--scene.gravity", "9.81"],
+                            "output.file = job.h5", "another job", "--overwrite")
+        self.run_program("sweep", self.job, *COARSE, "--scene.gravity", "9.81", "--overwrite")
+        with h5py.File(self.path("job.h5")) as file:
+            self.assertIn("gravity = 9.81", file.attrs["job"])
+
+    def test_a_file_that_is_no_archive_is_kept(self):
+        self.write("notes.txt", "precious\n")
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "notes.txt"],
+                            "output.file = notes.txt", "is there already")
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "job.cfg", "--overwrite"],
+                            "output.file = job.cfg", "no archive")
+        with h5py.File(self.path("foreign.h5"), "w") as file:
+            file.attrs["job"] = ["many"] * 2000
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "foreign.h5"],
+                            "output.file = foreign.h5", "no archive")
+
+    def test_what_is_no_unfinished_sweep_is_kept(self):
+        with h5py.File(self.path("foreign.h5"), "w") as file:
+            file.attrs["job"] = "somebody's"
+        with open(self.path("foreign.h5"), "rb") as file:
+            foreign = file.read()
+        with open(self.job, "rb") as file:
+            job = file.read()
+        for suffix, contents in ((".partial", (b"half of it\n", foreign, job)),
+                                 (".partial.new", (b"notes\n", job)), (".lock", (b"notes\n", foreign))):
+            for content in contents:
+                with open(self.path("job.h5" + suffix), "wb") as file:
+                    file.write(content)
+                for overwrite in ([], ["--overwrite"]):
+                    self.assert_refused(["sweep", self.job, *COARSE, *overwrite],
+                                        "output.file = job.h5", f"job.h5{suffix} is there and ")
+            os.remove(self.path("job.h5" + suffix))
+        os.rename(self.job, self.path("x.h5.partial"))
+        self.assert_refused(["sweep", "x.h5.partial", "--output.file", "x.h5", "--overwrite"], "x.h5.partial")
+
+    def test_a_folder_or_a_link_in_the_way_is_kept(self):
+        for suffix in (".partial", ".partial.new", ".lock"):
+            os.mkdir(self.path("job.h5" + suffix))
+            self.assert_refused(["sweep", self.job, *COARSE, "--overwrite"], f"job.h5{suffix} is a folder")
+            os.rmdir(self.path("job.h5" + suffix))
+            os.symlink("job.cfg", self.path("job.h5" + suffix))
+            self.assert_refused(["sweep", self.job, *COARSE, "--overwrite"], f"job.h5{suffix} is a symbolic link")
+            os.remove(self.path("job.h5" + suffix))
+
+    def test_names_that_are_too_long_with_a_suffix(self):
+        for length in (244, 248, 251, 255):
+            self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "x" * length], "too long")
+
+    def test_an_output_that_is_a_link_is_followed(self):
+        os.mkdir(self.path("far"))
+        os.symlink("far/away.h5", self.path("job.h5"))
+        self.run_program("sweep", self.job, *COARSE, "--time-limit", "0.001", code=75)
+        self.assertEqual(os.listdir(self.path("far")), [])
+        for options in ([], ["--overwrite"]):
+            self.run_program("sweep", self.job, *COARSE, *options)
+            self.assertEqual(os.readlink(self.path("job.h5")), "far/away.h5")
+            self.assertEqual(os.listdir(self.path("far")), ["away.h5"])
+        self.assertIn("job.h5, complete", self.run_program("info", "job.h5").stdout)
+        os.rename(self.path("far/away.h5"), self.path("far/away.h5.partial"))
+        self.assertIn("far/away.h5.partial, complete", self.run_program("info", "job.h5").stdout)
+        os.symlink("loop.h5", self.path("loop.h5"))
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "loop.h5"], "loop.h5", "Too many levels")
+
+    def test_what_is_no_regular_file_does_not_block(self):
+        os.mkfifo(self.path("fifo"))
+        os.mkfifo(self.path("job.h5.partial"))
+        self.assert_refused(["sweep", self.job, *COARSE], "job.h5.partial is a FIFO")
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "fifo"], "output.file = fifo: is a FIFO")
+        self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "/dev/null"], "is a device")
+        self.assert_refused(["info", "fifo"], "fifo is a FIFO")
+        self.assert_refused(["info", "."], ". is a folder")
+        self.assert_refused(["info", "/dev/zero"], "/dev/zero is a device")
+        self.assert_refused(["info", "x" * 300], "no such file")
+        self.write("empty.h5", "")
+        for name in ("empty.h5", "job.cfg"):
+            self.assertEqual(self.run_program("info", name, code=1).stderr.count("\n"), 1)
+
+    def test_where_locks_do_not_work_it_is_said_once(self):
+        library = self.path("no_locks.so")
+        source = self.write("no_locks.c", """
+            #include <errno.h>
+            #include <fcntl.h>
+            static int refuse(int command) { errno = command == F_SETLK ? ENOLCK : EINVAL; return -1; }
+            int fcntl(int file, int command, ...) { return command == F_SETFL ? 0 : refuse(command); }
+            int fcntl64(int file, int command, ...) { return command == F_SETFL ? 0 : refuse(command); }
+            """)
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source], check=True)
+        # The address sanitizer wants to be first, which does not matter here.
+        sanitizer = os.environ.get("ASAN_OPTIONS", "") + ":verify_asan_link_order=0"
+        environment = {"LD_PRELOAD": library, "ASAN_OPTIONS": sanitizer}
+        done = self.run_program("sweep", self.job, *COARSE, "--progress", "none", environment=environment)
+        self.assertEqual(done.stderr.count("job.h5.lock: locks do not work here (No locks available)"), 1, done.stderr)
+        self.assertTrue(os.path.exists(self.path("job.h5")))
+        self.assertFalse(os.path.exists(self.path("job.h5.lock")))
+
+
+class Trace(CommandTest):
+    DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
+
+    @staticmethod
+    def table(text):
+        """The rows below the comments; numpy takes the first line for the header even if it is a comment."""
+        return np.genfromtxt([line for line in text.splitlines() if line[0] != "#"], names=True)
+
+    def test_a_table_with_comments_above_its_header_only(self):
+        done = self.run_program("trace", os.path.join(JOBS, "paper.cfg"), *self.DESIGN)
+        lines = done.stdout.splitlines()
+        header = next(i for i, line in enumerate(lines) if line.startswith("t phi1 phi2 "))
+        self.assertTrue(all(line.startswith("# ") for line in lines[:header]))
+        self.assertNotIn("#", "".join(lines[header:]))
+        self.assertIn("# fulcrum-height = 1.5", lines)
+        table = self.table(done.stdout)
+        self.assertEqual(len(table), 93)
+        self.assertAlmostEqual(table["speed"][-1], 17.47606519, places=7)
+
+    def test_the_swing_of_a_sweep_is_the_traced_one(self):
+        self.run_program("sweep", self.job, *COARSE)
+        with h5py.File(self.path("job.h5")) as file:
+            best = {name: file.attrs[f"best_{name}"] for name in ("r1", "r2", "r3", "speed")}
+        options = [word for name in ("r1", "r2", "r3") for word in (f"--{name}", repr(float(best[name])))]
+        table = self.table(self.run_program("trace", self.job, *options).stdout)
+        self.assertAlmostEqual(table["speed"][-1], best["speed"], places=7)
+
+    def test_a_swing_without_release_says_so(self):
+        done = self.run_program("trace", self.job, *self.DESIGN, "--solver.max-time", "0.3")
+        self.assertIn("not_released", done.stderr)
+
+    def test_designs_that_are_none(self):
+        self.assert_refused(["trace", self.job, "--r1", "1", "--r2", "1"], "--r3: missing")
+        self.assert_refused(["trace", self.job, "--r1", "x", "--r2", "1", "--r3", "1"], "r1 = x")
+        self.assert_refused(["trace", self.job, "--r1", "0.3", "--r2", "1", "--r3", "1"],
+                            "r1 = 0.3", "0.5")
+
+
+class Assess(CommandTest):
+    SMALL = ("--assess.steppers", "euler, dopri5, rosenbrock4", "--assess.time-steps", "0.01, 0.005",
+             "--assess.tolerances", "1e-5, 1e-8", "--assess.designs", "3", "--assess.repeats", "1",
+             "--lattice.increment", "0.25")
+
+    def test_tables_on_stdout_and_in_xarray(self):
+        job = self.write("job.cfg", f"[assess]\nscenes = {JOBS}/extreme/long_steps.cfg\n"
+                                    f"extremes = {JOBS}/extreme/upright.cfg\n")
+        done = self.run_program("assess", job, *self.SMALL, ranks=2)
+        for title in ("References", "Errors of each solver", "Extreme scenes", "Order of convergence",
+                      "largest step", "A small oscillation", "whole lattice", "The cheapest solver"):
+            self.assertIn(title, done.stdout)
+        self.assertIn("not_released", done.stdout)
+        for engine in ("netcdf4", "h5netcdf"):
+            with xr.open_dataset(self.path("job.h5"), group="accuracy", engine=engine) as data:
+                frame = data.to_dataframe()
+        self.assertEqual(list(frame.scene.unique()), ["long_steps"])
+        dopri5 = frame[frame.stepper == "dopri5"]
+        self.assertLess(dopri5.error_largest.iloc[1], 1e-2 * dopri5.error_largest.iloc[0])
+        self.assertTrue((frame.seconds > 0).all())
+        self.assertEqual(data.error_median.attrs["units"], "m s-1")
+        with h5py.File(self.path("job.h5")) as file:
+            self.assertIn("time-steps = 0.01, 0.005", file.attrs["job"])
+        self.assert_refused(["assess", job, *self.SMALL], "output.file", "is there already")
+        self.run_program("assess", job, *self.SMALL, "--overwrite", "--progress", "none")
+
+    def test_options_of_the_scene_hold_for_all_the_scenes(self):
+        job = self.write("two.cfg", f"[assess]\nscenes = {JOBS}/extreme/no_beam.cfg\n")
+        tables = [self.run_program("assess", job, *self.SMALL, "--overwrite", *options).stdout
+                  for options in ([], ["--scene.gravity", "20"], ["--scene.file", f"{JOBS}/scenes/friction.cfg"])]
+        speeds = [table.split("Errors of each")[0] for table in tables]  # the references
+        self.assertEqual(len(set(speeds)), 3)
+
+    def test_the_jobs_own_scene_where_none_is_named(self):
+        done = self.run_program("assess", self.job, *self.SMALL, ranks=2)
+        self.assertIn("scene job", done.stdout)
+
+    def test_an_assessment_is_not_taken_for_its_jobs_sweep_nor_a_sweep_replaced(self):
+        self.run_program("assess", self.job, *self.SMALL)
+        lattice = self.SMALL[-2:]
+        self.assert_refused(["sweep", self.job, *lattice], "job.h5", "holds an assessment")
+        self.run_program("sweep", self.job, *lattice, "--overwrite")
+        done = self.run_program("sweep", self.job, *lattice, ranks=2)
+        self.assertIn("complete archive of this job", done.stderr)
+        self.assert_refused(["assess", self.job, *self.SMALL], "job.h5", "is there already")
+
+    def test_an_unfinished_sweep_is_not_buried_under_an_assessment(self):
+        self.write("job.h5.partial", "")
+        self.assert_refused(["assess", self.job, *self.SMALL, "--overwrite"], "unfinished sweep")
+
+    def test_info_says_what_an_assessment_is(self):
+        os.symlink("far.h5", self.path("job.h5"))
+        self.run_program("assess", self.job, *self.SMALL)
+        self.assertEqual(os.readlink(self.path("job.h5")), "far.h5")
+        text = self.run_program("info", "job.h5").stdout
+        for words in ("job.h5, an assessment", "accuracy", "reference", "source    trebsweep", "[assess]", "assess "):
+            self.assertIn(words, text)
+
+    def test_files_that_are_missing(self):
+        self.assert_refused(["assess", self.job, "--assess.scenes", "nowhere.cfg"], "nowhere.cfg")
+
+    def test_a_sweep_by_a_target_error(self):
+        job = self.write("target.cfg", "[solver]\nstepper = dopri5\ntarget-error = 1e-5\n")
+        done = self.run_program("sweep", job, *COARSE, "--output.fields", "speed, speed-error", ranks=2)
+        self.assertIn("tolerance ", done.stderr)
+        with h5py.File(self.path("target.h5")) as file:
+            self.assertLess(np.nanmax(np.abs(file["speed_error"])), 1e-5)
+        self.run_program("sweep", job, *COARSE, "--output.fields", "speed, speed-error")  # done already
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,200 @@
+"""The job scripts beside a batch system that only takes notes: what they start, and when they go on by themselves."""
+
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+REPOSITORY = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+TAKES_NOTES = """#!/usr/bin/env bash
+printf '%s' "$(basename "$0")" >>"$NOTES"
+printf ' <%s>' "$@" >>"$NOTES"
+echo >>"$NOTES"
+"""
+QSTAT = """#!/usr/bin/env bash
+printf 'Job Id: %s\\n    Resource_List.ncpus = 64\\n    Resource_List.walltime = 02:09:30\\n' "$2"
+printf '    run_count = %s\\n' "${RUN_COUNT:-1}"
+"""
+# Ends with CODE; where that is "wait", it runs until USR1, like a sweep: then 75.
+MPIRUN = TAKES_NOTES + """
+[[ $CODE == wait ]] || exit "$CODE"
+trap 'echo usr1 >>"$NOTES"; exit 75' USR1
+touch "$NOTES.running"
+for _ in {1..1000}; do sleep 0.01; done
+exit 1
+"""
+
+
+class JobScript(unittest.TestCase):
+    """A folder with the commands of a batch system that write down how they were called."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="trebsweep_")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        for name, text in (("mpirun", MPIRUN), ("scontrol", TAKES_NOTES), ("qstat", QSTAT),
+                           ("qsub", TAKES_NOTES + 'echo "jobs=$jobs options=$options '
+                                                  'restart=$restart" >>"$NOTES"\n')):
+            with open(self.path(name), "w", encoding="utf-8") as file:
+                file.write(text)
+            os.chmod(self.path(name), 0o755)
+        with open(self.path("nodes"), "w", encoding="utf-8") as file:
+            file.write("one\none\ntwo\n")
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def start(self, script, *arguments, code=0, **variables):
+        """Starts a script of jobs/ as a batch system does; the launcher is to end with the code."""
+        environment = {
+            "PATH": self.folder + ":" + os.environ["PATH"], "NOTES": self.path("notes"),
+            "CODE": str(code), "TREBSWEEP": "true", "SLURM_JOB_ID": "12", "PBS_JOBID": "12.server",
+            "PBS_O_WORKDIR": self.folder, "PBS_NODEFILE": self.path("nodes"), **variables}
+        return subprocess.Popen([os.path.join(REPOSITORY, "jobs", script), *arguments],
+                                env=environment, cwd=self.folder, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def run_script(self, script, *arguments, **given):
+        """The exit code, the calls of the batch system's commands, and the messages."""
+        process = self.start(script, *arguments, **given)
+        errors = process.communicate(timeout=60)[1]
+        return process.returncode, self.notes(), errors
+
+    def run_until_signal(self, number, script, *arguments, **given):
+        """The same, where the script gets a signal as soon as the sweep runs."""
+        process = self.start(script, *arguments, code="wait", **given)
+        while not os.path.exists(self.path("notes.running")):
+            time.sleep(0.01)
+        process.send_signal(number)
+        errors = process.communicate(timeout=60)[1]
+        return process.returncode, self.notes(), errors
+
+    def notes(self):
+        if not os.path.exists(self.path("notes")):
+            return []
+        with open(self.path("notes"), encoding="utf-8") as file:
+            return file.read().splitlines()
+
+
+class Slurm(JobScript):
+    SWEEP = "mpirun <--bind-to> <core> <true> <sweep> "
+
+    def test_a_complete_sweep_ends_the_job(self):
+        code, notes, _ = self.run_script("slurm.sh", "a.cfg", "--", "--output.file", "a b.h5")
+        self.assertEqual((code, notes), (0, [self.SWEEP + "<a.cfg> <--output.file> <a b.h5>"]))
+
+    def test_a_sweep_that_stopped_cleanly_goes_back_into_the_queue(self):
+        code, notes, _ = self.run_script("slurm.sh", "a.cfg", code=75)
+        self.assertEqual((code, notes), (75, [self.SWEEP + "<a.cfg>", "scontrol <requeue> <12>"]))
+
+    def test_ahead_of_the_limit_the_sweep_is_told_to_stop(self):
+        code, notes, _ = self.run_until_signal(signal.SIGUSR1, "slurm.sh", "a.cfg")
+        self.assertEqual((code, notes[1:]), (75, ["usr1", "scontrol <requeue> <12>"]))
+
+    def test_a_cancelled_sweep_stops_and_stays_out_of_the_queue(self):
+        code, notes, _ = self.run_until_signal(signal.SIGTERM, "slurm.sh", "a.cfg")
+        self.assertEqual((code, notes[1:]), (75, ["usr1"]))
+
+    def test_a_failed_sweep_stays_failed(self):
+        for code in (1, 2, 137, 205):
+            self.assertEqual(self.run_script("slurm.sh", "a.cfg", code=code)[0], code)
+        self.assertNotIn("scontrol", "".join(self.notes()))
+
+    def test_restarts_have_an_end(self):
+        code, notes, errors = self.run_script("slurm.sh", "a.cfg", code=75, SLURM_RESTART_COUNT="100")
+        self.assertEqual((code, len(notes)), (75, 1))
+        self.assertIn("not complete after 100 restarts", errors)
+
+    def test_a_restart_goes_on_with_what_is_there(self):
+        for restarts, option in (("0", " <--overwrite>"), ("1", "")):
+            _, notes, _ = self.run_script("slurm.sh", "a.cfg", "--", "--overwrite", "-x",
+                                          SLURM_RESTART_COUNT=restarts)
+            self.assertEqual(notes[-1], self.SWEEP + f"<a.cfg>{option} <-x>")
+
+    def test_each_task_of_an_array_has_its_job_file(self):
+        for number, job in enumerate(("a.cfg", "b.cfg", "c.cfg"), 1):
+            code, notes, _ = self.run_script("slurm.sh", "a.cfg", "b.cfg", "c.cfg", "--", "-x",
+                                             SLURM_ARRAY_TASK_ID=str(number))
+            self.assertEqual((code, notes[-1]), (0, self.SWEEP + f"<{job}> <-x>"))
+
+    def test_what_cannot_be_run_is_refused(self):
+        for arguments, variables, message in (
+                ((), {}, "no job file"),
+                (("a.cfg", "b.cfg"), {}, "--array=1-2"),
+                (("a.cfg", "b.cfg"), {"SLURM_ARRAY_TASK_ID": "0"}, "number 0, only 1 to 2"),
+                (("a.cfg", "b.cfg"), {"SLURM_ARRAY_TASK_ID": "3"}, "number 3, only 1 to 2"),
+                (("a.cfg",), {"SLURM_JOB_ID": ""}, "submit it"),
+                (("a.cfg",), {"TREBSWEEP": "no/such"}, "no/such: no such program")):
+            code, notes, errors = self.run_script("slurm.sh", *arguments, code=75, **variables)
+            self.assertEqual((code, notes), (2, []))
+            self.assertIn(message, errors)
+
+
+    def test_a_job_of_an_array_goes_back_into_the_queue_alone(self):
+        _, notes, _ = self.run_script("slurm.sh", "a.cfg", "b.cfg", code=75,
+                                      SLURM_ARRAY_JOB_ID="12", SLURM_ARRAY_TASK_ID="2")
+        self.assertEqual(notes, [self.SWEEP + "<b.cfg>", "scontrol <requeue> <12_2>"])
+
+
+class Pbs(JobScript):
+    # 02:09:30 is 7770 s, less 180.
+    SWEEP = ("mpirun <-machinefile> <{}> <-n> <3> <--bind-to> <core> <true> <sweep> <{}> "
+             "<--time-limit> <7590>")
+
+    def sweep(self, job, rest=""):
+        return self.SWEEP.format(self.path("nodes"), job) + rest
+
+    def test_a_complete_sweep_ends_the_job(self):
+        code, notes, _ = self.run_script("pbs.sh", jobs="a.cfg", options="--output.file b.h5")
+        self.assertEqual((code, notes), (0, [self.sweep("a.cfg", " <--output.file> <b.h5>")]))
+
+    def test_a_sweep_that_stopped_cleanly_is_submitted_again(self):
+        code, notes, _ = self.run_script("pbs.sh", code=75, jobs="a.cfg", options="-x", restart="3")
+        self.assertEqual((code, notes), (75, [
+            self.sweep("a.cfg", " <-x>"),
+            "qsub <-v> <jobs,options,restart,script,TREBSWEEP> <jobs/pbs.sh>",
+            "jobs=a.cfg options=-x restart=4"]))
+
+    def test_a_restart_goes_on_with_what_is_there(self):
+        _, notes, _ = self.run_script("pbs.sh", code=75, jobs="a.cfg", options="--overwrite -x")
+        self.assertEqual(notes[0], self.sweep("a.cfg", " <--overwrite> <-x>"))
+        self.assertEqual(notes[-1], "jobs=a.cfg options= -x restart=1")
+
+    def test_a_job_that_pbs_runs_again_goes_on_too(self):
+        _, notes, _ = self.run_script("pbs.sh", jobs="a.cfg", options="--overwrite -x", RUN_COUNT="2")
+        self.assertEqual(notes, [self.sweep("a.cfg", " <-x>")])
+
+    def test_a_job_of_an_array_has_its_job_file_and_is_submitted_again_alone(self):
+        code, notes, _ = self.run_script("pbs.sh", code=75, jobs="a.cfg b.cfg", PBS_ARRAY_INDEX="2")
+        self.assertEqual((code, notes[0]), (75, self.sweep("b.cfg")))
+        self.assertEqual(notes[-1], "jobs=b.cfg options= restart=1")
+
+    def test_a_deleted_job_stops_and_stays_out_of_the_queue(self):
+        code, notes, _ = self.run_until_signal(signal.SIGTERM, "pbs.sh", jobs="a.cfg")
+        self.assertEqual((code, notes[1:]), (75, ["usr1"]))
+
+    def test_a_failed_sweep_stays_failed(self):
+        for code in (1, 2, 137, 205):
+            self.assertEqual(self.run_script("pbs.sh", code=code, jobs="a.cfg")[0], code)
+        self.assertNotIn("qsub", "".join(self.notes()))
+
+    def test_restarts_have_an_end(self):
+        code, notes, errors = self.run_script("pbs.sh", code=75, jobs="a.cfg", restart="100")
+        self.assertEqual((code, len(notes)), (75, 1))
+        self.assertIn("not complete after 100 restarts", errors)
+
+    def test_what_cannot_be_run_is_refused(self):
+        for variables, message in (
+                ({}, "no job file"),
+                ({"jobs": "a.cfg b.cfg"}, "qsub -J 1-2"),
+                ({"jobs": "a.cfg b.cfg", "PBS_ARRAY_INDEX": "3"}, "number 3, only 1 to 2"),
+                ({"jobs": "a.cfg", "TREBSWEEP": "no/such"}, "no/such: no such program")):
+            code, notes, errors = self.run_script("pbs.sh", code=75, **variables)
+            self.assertEqual((code, notes), (2, []))
+            self.assertIn(message, errors)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,142 @@
+// Compiled once for each instruction set.
+
+#include "trebsweep/simd/pack.hpp"
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cstring>
+#include <random>
+
+#include "support/catch.hpp"
+#include "trebsweep/ode/stepper_info.hpp"
+#include "trebsweep/swing/swings.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+using Quad = boost::multiprecision::cpp_bin_float_quad;
+using One = Pack<1>;
+
+/// |x - truth| in units of the last place of a double of that size.
+double ulps(double x, const Quad& truth) {
+  int exponent;
+  std::frexp(static_cast<double>(truth), &exponent);
+  return static_cast<double>(abs(Quad(x) - truth)) / std::ldexp(1, exponent - 53);
+}
+
+/// Outcomes of 200 designs, in packs T.
+template <class Stepper, class T>
+std::vector<Outcome<double>> integrate_all(const Solver& solver) {
+  std::vector<Design<double>> designs;
+  for (int i = 0; i < 200; ++i)
+    designs.push_back({0.51 + 0.004 * i, 0.3 + 0.0011 * i, 1.1 - 0.005 * i});
+  std::vector<Outcome<double>> outcomes(designs.size());
+  std::size_t at = 0;
+  const auto next = [&](Design<double>& design) {
+    if (at == designs.size()) return false;
+    design = designs[at++];
+    return true;
+  };
+  const auto done = [&](std::uint64_t number, const Outcome<double>& o) { outcomes[number] = o; };
+  Swings<Stepper, T, Effects{}, decltype(next), decltype(done)>(Scene{}, solver, {}, {}, next, done)
+      .run();
+  return outcomes;
+}
+
+bool same_bits(const Outcome<double>& a, const Outcome<double>& b) {
+  return a.status == b.status && std::memcmp(&a.t, &b.t, 8) == 0 && a.steps == b.steps &&
+         std::memcmp(a.x.data(), b.x.data(), 32) == 0 && std::memcmp(&a.speed, &b.speed, 8) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("Sine and cosine are within 2 ULP") {
+  std::mt19937_64 random(1);
+  double worst = 0;
+  const auto check = [&](double x) {
+    const auto [sin_x, cos_x] = sin_cos(One(x));
+    worst = std::max({worst, ulps(sin_x[0], sin(Quad(x))), ulps(cos_x[0], cos(Quad(x)))});
+  };
+  const double eighth = boost::math::double_constants::pi / 8;
+  for (const double range : {0.5, 10.0, 1e5})
+    for (int i = 0; i < 3000; ++i) {
+      const double x = std::uniform_real_distribution<double>(-range, range)(random);
+      const double near = std::uniform_real_distribution<double>(-0.01, 0.01)(random);
+      check(x);
+      check(std::round(x / eighth) * eighth + near * near);   // about the zeros
+      check((std::floor(x / eighth) + 0.5) * eighth + near);  // where the table's value changes
+    }
+  CHECK(worst <= 2);
+  CHECK(worst > 0.4);
+}
+
+TEST_CASE("Sine and cosine of what is not finite are NaN") {
+  for (const double x : {std::numeric_limits<double>::infinity(), std::nan("")}) {
+    CHECK(std::isnan(sin_cos(One(x)).sin[0]));
+    CHECK(std::isnan(sin_cos(One(x)).cos[0]));
+  }
+}
+
+TEST_CASE("A quotient is correctly rounded") {
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> exponent(-200, 200), fraction(1, 2);
+  for (int i = 0; i < 1000000; ++i) {
+    const double a = std::ldexp(fraction(random), static_cast<int>(exponent(random)));
+    const double b = std::ldexp(fraction(random), static_cast<int>(exponent(random)));
+    if (quotient(One(a), One(b))[0] != a / b) FAIL(a << " / " << b);
+  }
+}
+
+TEST_CASE("A rough power is within two percent") {
+  for (double a = 1e-12; a < 1e12; a *= 1.37)
+    for (const double e : {-0.2, -0.125, 1.0 / 9})
+      CHECK(rough_power(One(a), One(3.0), e)[0] == Approx(std::pow(a / 3, e)).epsilon(0.02));
+}
+
+TEST_CASE("A product that is added is one fused multiply-add where the machine has it") {
+  const double a = 1 + 0x1p-30, b = 1 - 0x1p-30;
+  const double exact = -0x1p-60;  // a b - 1; rounded before the subtraction it is 0
+  const double expected = register_lanes > 2 ? exact : 0;
+  CHECK((One(a) * One(b) - One(1))[0] == expected);
+  CHECK((One(1) - One(a) * One(b))[0] == -expected);
+}
+
+TEST_CASE("Outcomes are the same to the bit in packs of one and of two registers") {
+  // A stepper of each kind: more would take minutes to compile.
+  const auto check = []<template <class, Effects = Effects{}> class Stepper>(Release release) {
+    using Two = Pack<2>;
+    Solver solver;
+    solver.release = release;
+    solver.max_time = 0.75;  // some are released, some are not
+    const auto one = integrate_all<Stepper<One>, One>(solver);
+    const auto two = integrate_all<Stepper<Two>, Two>(solver);
+    std::size_t released = 0;
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      INFO(i << " " << one[i].t << " " << two[i].t << " status " << static_cast<int>(one[i].status)
+             << static_cast<int>(two[i].status));
+      REQUIRE(same_bits(one[i], two[i]));
+      released += one[i].status == Status::released;
+    }
+    CHECK(released > 0);
+    CHECK(released < one.size());
+  };
+  for (const Release release : {Release::crossing, Release::window}) {
+    check.operator()<Euler>(release);
+    check.operator()<Dopri5>(release);
+  }
+}
+
+TEST_CASE("Lanes agree with the same swing in single numbers") {
+  for (const auto name : pack_stepper_names)
+    with_pack_stepper(
+        name, [&]<template <class, Effects = Effects{}> class Stepper>() {
+          const Solver solver{.release = Release::crossing};
+          const auto lanes = integrate_all<Stepper<One>, One>(solver);
+          const auto single = integrate_all<Stepper<double>, double>(solver);
+          for (std::size_t i = 0; i < lanes.size(); ++i) {
+            CHECK(lanes[i].status == single[i].status);
+            CHECK(lanes[i].speed == Approx(single[i].speed).margin(1e-8));
+            CHECK(lanes[i].t == Approx(single[i].t).margin(1e-9));
+          }
+        });
+}

@@ -1,0 +1,47 @@
+#include "support/archive_reader.hpp"
+#include "support/catch.hpp"
+#include "support/paper_algorithm.hpp"
+#include "trebsweep/base/mpi.hpp"
+#include "trebsweep/job/config_file.hpp"
+#include "trebsweep/sweep/sweep.hpp"
+
+using namespace trebsweep;
+
+TEST_CASE("The whole lattice by the paper's rules equals the paper's algorithm to 1e-9") {
+  const TemporaryFile file("paper");
+  Job job = parse_job(read_job_file(SOURCE_DIR "/jobs/paper.cfg"), "paper.cfg", {});
+  job.output.file = file.path();
+  SweepOptions options;
+  options.overwrite = true;
+  options.progress = ProgressStyle::none;
+  const auto summary = sweep(job, options, MPI_COMM_WORLD);
+
+  REQUIRE(summary);
+  CHECK(summary->designs() == 706860);
+  CHECK(summary->statuses[static_cast<std::size_t>(Status::released)] == 706860);
+  CHECK(summary->steps == 50335710);
+  REQUIRE(summary->optimum);
+  CHECK(summary->optimum->speed == Approx(17.47606519).margin(5e-9));
+  CHECK(summary->optimum->design.r1 == 0.51);
+  CHECK(summary->optimum->design.r2 == 0.91);
+  CHECK(summary->optimum->design.r3 == 0.58);
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+
+  const auto speed = read_map(file.path(), "speed"), time = read_map(file.path(), "release_time");
+  const auto status = read_map(file.path(), "status");
+  double speed_error = 0, time_error = 0;
+  std::size_t designs = 0, released = 0, equal = 0;
+  paper::sweep([&](const paper::SwingResult& result, int i1, int i3, int i2) {
+    const auto cell = static_cast<std::size_t>(((i1 - 51) * 120 + i3 - 30) * 119 + i2 - 1);
+    ++designs;
+    released += status[cell] == static_cast<double>(Status::released) && result.step > 0;
+    const double dv = std::abs(speed[cell] - result.speed), dt = std::abs(time[cell] - result.time);
+    equal += dv < 1e-9 && dt < 1e-9;  // false for NaN
+    speed_error = std::max(speed_error, dv);
+    time_error = std::max(time_error, dt);
+  });
+  CHECK(designs == 706860);
+  CHECK(released == designs);
+  CHECK(equal == designs);
+  WARN("largest difference: speed " << speed_error << " m/s, release time " << time_error << " s");
+}

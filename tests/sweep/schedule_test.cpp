@@ -1,0 +1,71 @@
+#include "trebsweep/sweep/schedule.hpp"
+
+#include <numeric>
+#include <set>
+
+#include "support/catch.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+std::uint64_t cells(const Index3& edge) { return std::uint64_t{edge[0]} * edge[1] * edge[2]; }
+
+constexpr double fast = 1e-6;  // s per design
+
+}  // namespace
+
+TEST_CASE("Tiles are about a fifth of a lattice, and blocks of a large one") {
+  CHECK(tile_edge({99, 120, 119}, fast) == Index3{20, 24, 24});
+  CHECK(tile_edge({999, 1200, 1199}, fast) == Index3{48, 48, 48});
+  CHECK(tile_edge({5, 1, 3}, fast) == Index3{5, 1, 3});
+}
+
+TEST_CASE("A long or flat lattice does not fall into millions of tiles") {
+  for (const Index3& extent :
+       {Index3{9'000'000, 1, 1}, Index3{1, 1, 9'000'000}, Index3{20'000, 1, 20'000}}) {
+    const Index3 edge = tile_edge(extent, fast);
+    CHECK(cells(edge) <= 64 * 64 * 64);
+    CHECK(static_cast<double>(cells(extent)) / static_cast<double>(cells(edge)) < 1e4);
+  }
+}
+
+TEST_CASE("A tile takes at most about a second of a core, however slow its designs") {
+  for (const double seconds : {1e-6, 1e-4, 1e-2, 0.3, 5.0}) {
+    const Index3 edge = tile_edge({99, 120, 119}, seconds);
+    CHECK((static_cast<double>(cells(edge)) * seconds <= 1 || cells(edge) == 1));
+    CHECK(static_cast<double>(cells(edge)) * seconds > std::min(0.01, 0.1 * seconds));
+  }
+}
+
+TEST_CASE("Every tile of a round is assigned once, and ranks have nearly the same load") {
+  const Lattice lattice(Scene{}, LatticeSpec{});
+  const Tiling tiling(lattice, {20, 24, 24});
+  const std::uint64_t first = 3, end = tiling.size() - 2;
+  for (const std::uint64_t ranks : {1u, 2u, 7u}) {
+    const auto assigned = assign_tiles(first, end, ranks, lattice, tiling);
+    REQUIRE(assigned.size() == ranks);
+    std::set<std::uint64_t> seen;
+    std::uint64_t least = lattice.designs(), most = 0;
+    for (const auto& tiles : assigned) {
+      std::uint64_t load = 0;
+      for (const auto& [number, tile] : tiles) {
+        CHECK(seen.insert(number).second);
+        load += lattice.designs_in(tile);
+      }
+      least = std::min(least, load);
+      most = std::max(most, load);
+    }
+    CHECK(seen.size() == end - first);
+    CHECK(*seen.begin() == first);
+    CHECK(most - least <= 20 * 24 * 24);
+  }
+}
+
+TEST_CASE("Rounds grow towards two seconds and stay within 64 MiB per rank") {
+  CHECK(next_batch(1, 0.1, 1000) == 8);  // no more than eightfold
+  CHECK(next_batch(10, 4, 1000) == 5);
+  CHECK(next_batch(1, 100, 1000) == 1);
+  CHECK(next_batch(8, 0.1, 16 << 20) == 4);
+  CHECK(next_batch(1, 0.1, std::size_t{1} << 30) == 1);
+}

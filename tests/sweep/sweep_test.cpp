@@ -1,0 +1,221 @@
+#include "trebsweep/sweep/sweep.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include "support/archive_reader.hpp"
+#include "support/catch.hpp"
+#include "trebsweep/base/error.hpp"
+#include "trebsweep/base/mpi.hpp"
+#include "trebsweep/job/config_file.hpp"
+#include "trebsweep/swing/integrate.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+Job coarse_job(const TemporaryFile& file) {
+  Job job;
+  job.lattice.increment = 0.1;
+  job.solver.stepper = "dopri5";
+  job.solver.release = Release::crossing;
+  job.output.file = file.path();
+  return job;
+}
+
+SweepOptions quiet(const std::optional<Index3>& tile_edge = {}) {
+  SweepOptions options;
+  options.progress = ProgressStyle::none;
+  options.tile_edge = tile_edge;
+  options.overwrite = true;
+  return options;
+}
+
+bool root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+}  // namespace
+
+TEST_CASE("Every cell of a sweep is, to the bit, its design integrated alone") {
+  const TemporaryFile file("sweep");
+  const Job job = coarse_job(file);
+  for (const Index3& edge : {Index3{16, 16, 16}, Index3{1, 1, 1}, Index3{2, 5, 3}}) {
+    const auto summary = sweep(job, quiet(edge), MPI_COMM_WORLD);
+    REQUIRE(summary);
+    if (root()) {
+      const Lattice lattice(job.scene, job.lattice);
+      const auto speed = read_map(file.path(), "speed"),
+                 time = read_map(file.path(), "release_time");
+      const auto status = read_map(file.path(), "status");
+      const Index3 n = lattice.extent();
+      double best = 0;
+      std::size_t cell = 0;
+      for (std::size_t a = 0; a < n[0]; ++a)
+        for (std::size_t b = 0; b < n[1]; ++b)
+          for (std::size_t c = 0; c < n[2]; ++c, ++cell) {
+            if (!lattice.holds({a, b, c})) {
+              REQUIRE(std::isnan(speed[cell]));
+              REQUIRE(status[cell] == 0);
+              continue;
+            }
+            const Design<double> design = lattice.design({a, b, c});
+            SwingResult alone;
+            integrate(job.scene, job.solver, {{&design, 1}, {&alone, 1}});
+            REQUIRE(same_bits(speed[cell], alone.speed));
+            REQUIRE(same_bits(time[cell], alone.release_time));
+            REQUIRE(status[cell] == static_cast<double>(alone.status));
+            best = std::max(best, speed[cell]);
+          }
+      CHECK(summary->optimum->speed == best);
+      CHECK(summary->designs() == lattice.designs());
+    }
+  }
+}
+
+TEST_CASE("Speeds of the accurate job are within 1e-6 m/s of a tight tolerance's") {
+  Job job = parse_job(read_job_file(SOURCE_DIR "/jobs/accurate.cfg"), "accurate.cfg", {});
+  job.lattice.increment = 0.05;
+  const TemporaryFile file("accurate");
+  job.output.file = file.path();
+  sweep(job, quiet(), MPI_COMM_WORLD);
+  const std::vector<double> speed = root() ? read_map(file.path(), "speed") : std::vector<double>{};
+  job.solver.stepper = "fehlberg78";
+  job.solver.tolerance = 1e-12;
+  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
+  CHECK(summary->designs() == summary->statuses[static_cast<std::size_t>(Status::released)]);
+  if (root()) {
+    const auto truth = read_map(file.path(), "speed");
+    std::uint64_t close = 0, different = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      close += std::abs(speed[i] - truth[i]) < 1e-6;  // false for NaN
+      different += speed[i] != truth[i] && !std::isnan(truth[i]);
+    }
+    CHECK(close == summary->designs());
+    CHECK(different > 0);
+  }
+}
+
+TEST_CASE("A sweep of one design works on any number of ranks") {
+  const TemporaryFile file("single");
+  Job job = coarse_job(file);
+  job.lattice.r1 = AxisRange{0.75, 0.75, 1};
+  job.lattice.r3 = AxisRange{3, 3, 1};
+  job.lattice.r2 = AxisRange{4, 4, 1};
+  job.scene.gravity = 9.81;
+  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
+  REQUIRE(summary);
+  CHECK(summary->designs() == 1);
+  CHECK(summary->optimum->speed == Approx(23.7371408230).margin(1e-6));
+  CHECK(summary->optimum->design.r2 == 4);
+}
+
+TEST_CASE("Designs without a shot have a status and no speed") {
+  const TemporaryFile file("statuses");
+  Job job = coarse_job(file);
+  job.lattice.r1 = AxisRange{0.4, 0.6, 0.1};
+  job.solver.max_time = 0.7;
+  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
+  REQUIRE(summary);
+  const auto count = [&](Status s) { return summary->statuses[static_cast<std::size_t>(s)]; };
+  CHECK(count(Status::unreachable_start) == summary->designs() / 3);
+  CHECK(count(Status::not_released) > summary->designs() / 3);
+  CHECK(count(Status::released) > 0);
+  if (root()) {
+    const auto speed = read_map(file.path(), "speed"), time = read_map(file.path(), "release_time");
+    const auto status = read_map(file.path(), "status");
+    for (std::size_t i = 0; i < status.size(); ++i) {
+      const bool released = status[i] == static_cast<double>(Status::released);
+      REQUIRE(std::isnan(speed[i]) == !released);
+      REQUIRE(std::isnan(time[i]) == !released);
+    }
+  }
+}
+
+TEST_CASE("Where nothing is released there is no optimum") {
+  const TemporaryFile file("nothing");
+  Job job = coarse_job(file);
+  job.solver.max_time = 0.01;
+  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
+  REQUIRE(summary);
+  CHECK_FALSE(summary->optimum);
+  CHECK_THAT(to_text(*summary, job.output.optimum_filter), contains("optimum   none"));
+}
+
+TEST_CASE("Only the maps asked for are stored") {
+  const TemporaryFile file("fields");
+  Job job = coarse_job(file);
+  job.output.fields = {Field::speed};
+  sweep(job, quiet(), MPI_COMM_WORLD);
+  if (root()) {
+    CHECK_NOTHROW(read_map(file.path(), "speed"));
+    CHECK_THROWS(read_map(file.path(), "release_time"));
+    CHECK_THROWS(read_map(file.path(), "status"));
+  }
+}
+
+TEST_CASE("An archive is kept: the same job is done already, another one is refused") {
+  const TemporaryFile file("kept");
+  Job job = coarse_job(file);
+  SweepOptions options = quiet();
+  sweep(job, options, MPI_COMM_WORLD);
+  const auto before = std::filesystem::last_write_time(file.path());
+  options.overwrite = false;
+  CHECK_FALSE(sweep(job, options, MPI_COMM_WORLD));
+  job.scene.gravity = 9.81;
+  CHECK_THROWS_WITH(sweep(job, options, MPI_COMM_WORLD), contains("archive of another job"));
+  CHECK(std::filesystem::last_write_time(file.path()) == before);
+  options.overwrite = true;
+  CHECK(sweep(job, options, MPI_COMM_WORLD));
+}
+
+TEST_CASE("A sweep that was stopped again and again ends in the same archive") {
+  const TemporaryFile straight("straight"), stopped("stopped");
+  Job job = coarse_job(straight);
+  const int compression = GENERATE(0, 1);
+  job.output.compression = compression;
+  job.output.fields = {Field::speed, Field::slack};
+  job.output.optimum_filter = GENERATE(OptimumFilter::all, OptimumFilter::taut);
+  job.lattice.r1 = AxisRange{0.4, 1.4, 0.1};
+  constexpr Index3 edge{1, 3, 3};
+  const auto expected = sweep(job, quiet(edge), MPI_COMM_WORLD);
+  REQUIRE(expected);
+  CHECK(expected->complete);
+
+  job.output.file = stopped.path();
+  SweepOptions options = quiet();
+  options.overwrite = false;
+  std::optional<Summary> summary;
+  std::uint64_t before = 0;
+  int runs = 0;
+  do {
+    // The first run is stopped while rank 0 makes the file, the others after a round or two.
+    const Tiling tiling(Lattice(job.scene, job.lattice), edge);
+    const int making =
+        compression > 0 ? static_cast<int>(2 * tiling.size()) : 4;  // is asked so often
+    int left = runs == 0 ? 3 : runs == 1 && root() ? making + 5 : 5;
+    options.stop = [&] { return left-- <= 0; };
+    options.tile_edge = runs < 2 ? edge : Index3{7, 7, 7};  // the file has its own from then on
+    summary = sweep(job, options, MPI_COMM_WORLD);
+    REQUIRE(summary);
+    CHECK(summary->designs() >= before);
+    before = summary->designs();
+    ++runs;
+  } while (!summary->complete && runs < 100);
+  CHECK(runs > 3);
+  CHECK(summary->statuses == expected->statuses);
+  CHECK(summary->steps == expected->steps);
+  REQUIRE(summary->optimum.has_value() == expected->optimum.has_value());
+  if (summary->optimum) {
+    CHECK(summary->optimum->speed == expected->optimum->speed);
+    CHECK(summary->optimum->release_time == expected->optimum->release_time);
+    CHECK(summary->optimum->design.r1 == expected->optimum->design.r1);
+  }
+  if (root()) {
+    for (const char* map : {"speed", "slack", "r1", "r3", "r2", "tile_done"}) {
+      const auto a = read_map(straight.path(), map), b = read_map(stopped.path(), map);
+      REQUIRE(std::equal(a.begin(), a.end(), b.begin(), b.end(), same_bits));
+    }
+    CHECK_FALSE(std::filesystem::exists(stopped.path().string() + ".lock"));
+  }
+}

@@ -1,0 +1,91 @@
+#include "trebsweep/sweep/warnings.hpp"
+
+#include "support/catch.hpp"
+#include "support/paper_solver.hpp"
+#include "trebsweep/job/sample.hpp"
+#include "trebsweep/swing/integrate.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+/// The warnings of a job, of which the whole lattice is integrated.
+std::vector<std::string> warnings_of(const Job& job) {
+  const Lattice lattice(job.scene, job.lattice);
+  Summary summary;
+  for (const auto& design : all_designs(lattice)) {
+    SwingResult result;
+    integrate(job.scene, job.solver, {{&design, 1}, {&result, 1}});
+    if (has_speed(result.status) && (!summary.optimum || result.speed > summary.optimum->speed))
+      summary.optimum = {design, result.speed, result.release_time};
+  }
+  return warnings(
+      job, lattice, summary, [] { return false; }, MPI_COMM_WORLD);
+}
+
+/// How many of the warnings have those words.
+std::ptrdiff_t count(const std::vector<std::string>& lines, const std::string& words) {
+  return std::count_if(lines.begin(), lines.end(),
+                       [&](const std::string& line) { return line.find(words) != line.npos; });
+}
+
+Job coarse_job() {
+  Job job;
+  job.lattice.increment = 0.1;
+  return job;
+}
+
+}  // namespace
+
+TEST_CASE("The paper's optimum lies on two edges of its lattice") {
+  const auto lines = warnings_of(coarse_job());
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0] ==
+        "the optimum lies on the edge of the lattice: r1 = 0.6 m, the smallest allowed by h - h0 < "
+        "r1 (47); "
+        "r2 = 0.9 m, the largest allowed by r2 < h0 - r3 (49)");
+}
+
+TEST_CASE("An axis with one value has no edge") {
+  Job job = coarse_job();
+  job.lattice.r1 = AxisRange{0.51, 0.51, 1};
+  job.lattice.r3 = AxisRange{0.58, 0.58, 1};
+  job.lattice.r2 = AxisRange{0.8, 1.1, 0.1};
+  CHECK(warnings_of(job).empty());
+}
+
+TEST_CASE("A lattice without a release has no optimum to doubt") {
+  Job job = coarse_job();
+  job.scene.pivot_friction = 1e9;
+  CHECK(warnings_of(job).empty());
+}
+
+TEST_CASE("Steps of a fifth of a second are seen to change statuses") {
+  Job job = coarse_job();
+  job.solver = paper_solver();
+  job.solver.time_step = 0.2;
+  CHECK(count(warnings_of(job), "another status when integrated accurately") == 1);
+}
+
+TEST_CASE("A fixed step that spoils the speeds is seen by its error at the optimum") {
+  Job job = coarse_job();
+  job.solver.stepper = "euler";
+  job.solver.time_step = 0.05;
+  CHECK(count(warnings_of(job), "the fixed step is long") == 1);
+}
+
+TEST_CASE("Designs that start at their release do not create energy") {
+  Job job = coarse_job();
+  job.scene.release_height = 1.2;  // r1 = 0.3 starts at phi1 = pi
+  CHECK(count(warnings_of(job), "efficiency") == 0);
+}
+
+TEST_CASE("A stop ends the checks") {
+  Job job = coarse_job();
+  job.solver = paper_solver();
+  job.solver.time_step = 0.2;
+  const Lattice lattice(job.scene, job.lattice);
+  CHECK(warnings(
+            job, lattice, Summary{}, [] { return true; }, MPI_COMM_WORLD)
+            .empty());
+}

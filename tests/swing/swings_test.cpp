@@ -1,0 +1,267 @@
+#include "trebsweep/swing/swings.hpp"
+
+#include <boost/math/special_functions/ellint_1.hpp>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <fstream>
+#include <sstream>
+
+#include "support/catch.hpp"
+#include "support/paper_solver.hpp"
+#include "trebsweep/ode/steppers.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+constexpr double pi = boost::math::double_constants::pi;
+constexpr Design<double> optimum{0.51, 0.58, 0.91};  // r1, r3, r2
+
+Outcome<double> shoot(const Scene& scene, const Design<double>& design, const Solver& solver) {
+  return with_stepper(
+      solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+        return swing<Stepper<double>, double>(scene, design, solver);
+      });
+}
+
+Solver accurate(double tolerance, const std::string& stepper = "dopri5") {
+  Solver solver;
+  solver.stepper = stepper;
+  solver.release = Release::crossing;
+  solver.tolerance = tolerance;
+  return solver;
+}
+
+const Solver tight = accurate(1e-13, "fehlberg78");
+
+}  // namespace
+
+TEST_CASE("The paper's optimum: 17.47606519 m/s at step 92 by the paper's rules") {
+  const auto result = shoot(Scene{}, optimum, paper_solver());
+  REQUIRE(result.status == Status::released);
+  CHECK(result.speed == Approx(17.47606519).margin(5e-9));
+  CHECK(result.steps == 92);
+  CHECK(result.t == 0.92);
+}
+
+TEST_CASE("The paper's optimum, integrated truly, by every adaptive stepper") {
+  for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78"}) {
+    const auto result = shoot(Scene{}, optimum, accurate(1e-13, name));
+    CHECK(result.t == Approx(0.907088591346).margin(1e-12));
+    CHECK(result.speed == Approx(16.8555869074).margin(1e-10));
+    CHECK(result.x[phi1] == Approx(pi).epsilon(1e-15));
+    CHECK(result.x[phi2] == Approx(2.82549).margin(5e-6));
+    CHECK(result.x[w1] == Approx(6.9509).margin(5e-5));
+  }
+}
+
+TEST_CASE("Three designs on which three other programs agree") {
+  Scene scene;
+  scene.gravity = 9.81;
+  struct Known {
+    Design<double> design;
+    double time, speed, degrees;
+  };
+  for (const Known& known : {Known{{1, 3, 4}, 1.0009885268, 22.5466224886, 89.517465},
+                             Known{{1, 5, 6}, 1.5071707683, 19.4996201747, 78.980320},
+                             Known{{0.75, 3, 4}, 1.1364650403, 23.7371408230, 101.815151}}) {
+    const auto result = shoot(scene, known.design, tight);
+    CHECK(result.t == Approx(known.time).margin(6e-11));
+    CHECK(result.speed == Approx(known.speed).margin(6e-11));
+    CHECK(result.x[phi2] * 180 / pi == Approx(known.degrees).margin(6e-7));
+  }
+}
+
+TEST_CASE("Odd scenes with known ends") {
+  const auto short_sling = shoot(Scene{}, {0.51, 0.001, 0.91}, tight);
+  CHECK(short_sling.t == Approx(0.899289578).margin(6e-10));
+  CHECK(short_sling.speed == Approx(7.44223).margin(6e-6));
+
+  Scene heavy;
+  heavy.projectile_mass = 2600;
+  CHECK(shoot(heavy, optimum, tight).t == Approx(5.55722854).margin(6e-9));
+  CHECK(shoot(heavy, optimum, tight).speed == Approx(1.29989704).margin(6e-9));
+  heavy.projectile_mass = 2700;
+  CHECK(shoot(heavy, optimum, tight).t == Approx(8.43435952).margin(6e-9));
+  heavy.projectile_mass = 5000;
+  CHECK(shoot(heavy, optimum, tight).status == Status::not_released);
+  Scene light;
+  light.counterweight_mass = 100;
+  CHECK(shoot(light, optimum, tight).status == Status::not_released);
+}
+
+TEST_CASE("All legible rows of the paper's Appendix C, which left the beam's inertia out") {
+  Scene scene;
+  scene.beam_inertia = BeamInertia::none;
+  std::vector<State<double>> states{start(scene, optimum)};
+  const auto record = [&](const auto&, const Instant<double>& to) { states.push_back(to.x); };
+  const auto outcome = swing<Euler<double>, double>(scene, optimum, paper_solver(), record);
+  CHECK(outcome.steps == 91);
+
+  std::ifstream file(SOURCE_DIR "/tests/swing/appendix_c.csv");
+  std::string line;
+  std::getline(file, line);
+  int rows = 0;
+  for (double t, angle1, angle2; std::getline(file, line); ++rows) {
+    char comma;
+    std::istringstream(line) >> t >> comma >> angle1 >> comma >> angle2;
+    const State<double>& x = states.at(static_cast<std::size_t>(std::lround(t / 0.01)));
+    CHECK(std::abs(x[phi1] - angle1) < 6e-6);
+    CHECK(std::abs(x[phi2] - angle2) < 6e-6);
+  }
+  CHECK(rows == 65);
+}
+
+TEST_CASE("Without a projectile's mass the beam is a physical pendulum") {
+  Scene scene;
+  scene.projectile_mass = 1e-12;
+  for (const Design<double>& d : {optimum, Design<double>{1.2, 0.5, 0.4}}) {
+    const double m2 = scene.beam_density * scene.beam_side * scene.beam_side * (d.r1 + d.r2);
+    const double m1 = scene.counterweight_mass, r = (d.r2 - d.r1) / 2;
+    const double G = scene.gravity * (m1 * d.r1 - m2 * r);
+    const double I = m1 * d.r1 * d.r1 + m2 * std::pow(d.r1 + d.r2, 2) / 12 + m2 * r * r;
+    const double start = std::acos(0.5 / d.r1);
+    const double k = std::sin((pi - start) / 2);
+    const auto result = shoot(scene, d, tight);
+    CHECK(result.t == Approx(boost::math::ellint_1(k) / std::sqrt(G / I)).epsilon(1e-12));
+    CHECK(result.x[w1] == Approx(std::sqrt(2 * G * (1 + std::cos(start)) / I)).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("Balanced torques never turn the beam") {
+  Scene scene;
+  scene.beam_density = 0;
+  scene.projectile_mass = scene.counterweight_mass;
+  for (const Solver& solver : {paper_solver(), tight}) {
+    const auto result = shoot(scene, {1, 0.5, 1}, solver);
+    CHECK(result.status == Status::not_released);
+    CHECK(result.t == 10);
+    CHECK(result.x == start<double>(scene, {1, 0.5, 1}));
+  }
+}
+
+TEST_CASE("A vanishing throwing arm leaves the sling at rest") {
+  const auto result = shoot(Scene{}, {0.51, 0.58, 1e-9}, tight);
+  CHECK(result.status == Status::released);
+  CHECK(result.speed < 1e-7);
+}
+
+TEST_CASE("Energy stays constant to the tolerance over a long swing") {
+  Scene scene;
+  scene.projectile_mass = 2700;  // 8.4 s to its release
+  for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
+    const Mechanism<double> mechanism(scene, optimum);
+    const double before = mechanism.energy(start(scene, optimum));
+    double drift = 0, kinetic = 0;
+    const auto watch = [&](const auto&, const Instant<double>& to) {
+      drift = std::max(drift, std::abs(mechanism.energy(to.x) - before));
+      kinetic = std::max(kinetic, mechanism.kinetic_energy(to.x));
+    };
+    swing<Dopri5<double>, double>(scene, optimum, accurate(tolerance), watch);
+    CHECK(drift < 1000 * tolerance * kinetic);
+    CHECK(drift > 0);
+  }
+}
+
+TEST_CASE("The same swing in quadruple precision confirms the digits of double") {
+  using Quad = boost::multiprecision::cpp_bin_float_quad;
+  const auto outcome = swing<Fehlberg78<Quad>, Quad>(Scene{}, optimum, accurate(1e-15));
+  const auto result = shoot(Scene{}, optimum, tight);
+  CHECK(result.t == Approx(static_cast<double>(outcome.t)).epsilon(1e-13));
+  CHECK(result.speed == Approx(static_cast<double>(outcome.speed)).epsilon(1e-12));
+}
+
+TEST_CASE("Met exactly, Euler's release converges with order 1, Runge and Kutta's with order 4") {
+  const double truth = shoot(Scene{}, optimum, tight).speed;
+  const auto error = [&](const std::string& stepper, double step) {
+    Solver solver = accurate(1e-9, stepper);
+    solver.time_step = step;
+    const auto result = shoot(Scene{}, optimum, solver);
+    CHECK(std::abs(result.x[phi1] - pi) < 1e-14);
+    return std::abs(result.speed - truth);
+  };
+  CHECK(std::log2(error("euler", 2e-4) / error("euler", 1e-4)) == Approx(1).margin(0.05));
+  CHECK(std::log2(error("rk4", 4e-3) / error("rk4", 2e-3)) == Approx(4).margin(0.2));
+}
+
+TEST_CASE("The error of a release follows the tolerance") {
+  const double truth = shoot(Scene{}, optimum, tight).speed;
+  for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78"})
+    for (const double tolerance : {1e-5, 1e-7, 1e-9, 1e-11})
+      CHECK(std::abs(shoot(Scene{}, optimum, accurate(tolerance, name)).speed - truth) <
+            100 * tolerance);
+}
+
+TEST_CASE("A time limit ends a swing as not_released, at the limit") {
+  Solver solver = accurate(1e-9);
+  solver.max_time = 0.5;
+  const auto result = shoot(Scene{}, optimum, solver);
+  CHECK(result.status == Status::not_released);
+  CHECK(result.t == 0.5);
+}
+
+TEST_CASE("A step budget ends a swing as step_budget") {
+  for (const std::string name : {"euler", "dopri5"}) {
+    Solver solver = accurate(1e-9, name);
+    solver.max_steps = 7;
+    const auto result = shoot(Scene{}, optimum, solver);
+    CHECK(result.status == Status::step_budget);
+    CHECK(result.steps == 7);
+  }
+}
+
+TEST_CASE("A window too narrow for the step is stepped over") {
+  Solver solver = paper_solver();
+  solver.release_window = 1e-6;
+  CHECK(shoot(Scene{}, optimum, solver).status == Status::not_released);
+}
+
+TEST_CASE("A state that overflows is non_finite, never a number") {
+  Scene scene;
+  scene.gravity = 1e306;
+  for (const auto name : stepper_names) {
+    const auto result = shoot(scene, optimum, accurate(1e-9, std::string(name)));
+    CHECK(result.status == Status::non_finite);
+  }
+  Solver euler = accurate(1e-9, "euler");
+  euler.time_step = 1e160;
+  euler.max_time = 1e170;
+  CHECK(shoot(Scene{}, optimum, euler).status == Status::non_finite);
+}
+
+TEST_CASE("Steps too short to advance the clock are step_underflow") {
+  const Design<double> tiny_sling{0.51, 1e-34, 0.91};  // its swing would take 1e-17 s
+  for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78"})
+    CHECK(shoot(Scene{}, tiny_sling, accurate(1e-9, name)).status == Status::step_underflow);
+}
+
+TEST_CASE("A distant time limit changes nothing") {
+  Solver solver = accurate(1e-9);
+  const auto result = shoot(Scene{}, optimum, solver);
+  solver.max_time = 1e300;
+  CHECK(shoot(Scene{}, optimum, solver).speed == result.speed);
+}
+
+TEST_CASE("A release behind the time limit does not count, in the middle of a fixed step either") {
+  for (const std::string name : {"euler", "rk4", "dopri5"}) {
+    Solver solver = accurate(1e-9, name);
+    solver.time_step = 0.3;
+    const double time = shoot(Scene{}, optimum, solver).t;
+    solver.max_time = time - 1e-3;
+    CHECK(shoot(Scene{}, optimum, solver).status == Status::not_released);
+    solver.max_time = time + 1e-3;
+    CHECK(shoot(Scene{}, optimum, solver).status == Status::released);
+  }
+}
+
+TEST_CASE("A counterweight that starts at its lowest is no release at the start") {
+  Scene scene;
+  scene.release_height = 0.5;
+  for (const Release release : {Release::crossing, Release::window}) {
+    Solver solver = accurate(1e-9, "euler");
+    solver.release = release;
+    solver.max_time = 0.5;
+    const auto result = shoot(scene, {1, 0.58, 0.91}, solver);
+    CHECK(result.t > 0);
+    CHECK(result.speed < 1e-12);
+  }
+}
