@@ -8,7 +8,10 @@
 #include <limits>
 
 #include "trebsweep/assess/accuracy.hpp"
-#include "trebsweep/ode/steppers.hpp"
+#include "trebsweep/model/jacobian.hpp"
+#include "trebsweep/ode/advance.hpp"
+#include "trebsweep/ode/rosenbrock_step.hpp"
+#include "trebsweep/ode/stepper.hpp"
 
 namespace trebsweep {
 namespace {
@@ -47,20 +50,18 @@ bool is_bounded(const Complex& eigenvalue) {
 }
 
 /// error_of_steps() in numbers of type T.
-template <class Stepper, class T, Effects E>
-double error_in(const Scene& scene, const Design<double>& design, const Reference& reference,
-                std::uint64_t steps) {
+template <class T, Effects E>
+double error_in(const std::string& stepper, const Scene& scene, const Design<double>& design,
+                const Reference& reference, std::uint64_t steps) {
   Solver solver;
   const T h = static_cast<T>(reference.release_time) / static_cast<T>(steps);
+  solver.stepper = stepper;
   solver.time_step = static_cast<double>(h);
-  auto stepper = make_stepper<Stepper>(solver);
+  const auto advance = make_advance<T, E>(solver);
   const Design<T> d{T(design.r1), T(design.r3), T(design.r2)};
   const Motion<T, E> motion(scene, d);
   auto now = instant(motion, T(0), start<T, E>(scene, d));
-  Instant<T, E> next;
-  State<T, E> estimate;
-  for (std::uint64_t i = 0; i < steps; ++i, now = next)
-    advance(stepper, motion, now, h, next, estimate);
+  for (std::uint64_t i = 0; i < steps; ++i) now = advance(motion, now, h);
   double largest = 0;
   for (std::size_t i = 0; i < coordinates<E>; ++i) {
     const long double truth = reference.state[i];
@@ -124,17 +125,9 @@ double largest_stable_step(const std::string& stepper, const std::vector<Spectru
 double error_of_steps(const std::string& stepper, const Scene& scene, const Design<double>& design,
                       const Reference& reference, std::uint64_t steps) {
   return with_effects(scene, [&]<Effects E>() {
-    if (is_for_packs(stepper))
-      return with_pack_stepper(
-          stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-            using T = long double;
-            return error_in<Stepper<T, E>, T, E>(scene, design, reference, steps);
-          });
-    return with_stepper(
-        stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-          using T = double;
-          return error_in<Stepper<T, E>, T, E>(scene, design, reference, steps);
-        });
+    return is_for_packs(stepper)
+               ? error_in<long double, E>(stepper, scene, design, reference, steps)
+               : error_in<double, E>(stepper, scene, design, reference, steps);
   });
 }
 
@@ -173,21 +166,15 @@ Growth growth(const std::string& stepper, const Scene& scene, const Design<doubl
     return mechanism.energy(state) - mechanism.energy(hanging);
   };
   const double at_start = energy(x);
-  const double end = with_stepper(
-      stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-        Solver solver;
-        solver.time_step = h;
-        auto method = make_stepper<Stepper<double>>(solver);
-        auto now = instant(motion, 0.0, x);
-        Instant<double> next;
-        State<double> estimate;
-        for (std::uint64_t i = 0; i < steps; ++i, now = next)
-          advance(method, motion, now, h, next, estimate);
-        return energy(now.x);
-      });
+  Solver solver;
+  solver.stepper = stepper;
+  solver.time_step = h;
+  const auto advance = make_advance<double, Effects{}>(solver);
+  auto now = instant(motion, 0.0, x);
+  for (std::uint64_t i = 0; i < steps; ++i) now = advance(motion, now, h);
   const double predicted =
       std::pow(std::abs(stability_function(stepper, h * eigenvalue)), static_cast<double>(steps));
-  return {eigenvalue.imag(), predicted, std::sqrt(end / at_start)};
+  return {eigenvalue.imag(), predicted, std::sqrt(energy(now.x) / at_start)};
 }
 
 double observed_order(const std::string& stepper, const Scene& scene,

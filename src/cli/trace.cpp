@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "trebsweep/base/number.hpp"
-#include "trebsweep/ode/steppers.hpp"
+#include "trebsweep/ode/advance.hpp"
+#include "trebsweep/swing/swing.hpp"
 
 namespace trebsweep {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 constexpr double default_interval = 0.01;
 constexpr double most_rows = 1e7;
 
-/// The comments tell analysis/trajectory.py where the ground is and whether there is a flight.
+/// analysis/trajectory.py takes the ground and the flight from the comments.
 void print_header(const Job& job, std::FILE* out) {
   const Solver& solver = job.solver;
   fmt::print(out, "# gravity = {}\n# fulcrum-height = {}\n# release = {}\n", job.scene.gravity,
@@ -36,32 +37,32 @@ void print_row(const Mechanism<double, E>& mechanism, const Instant<double, E>& 
              "{:.10g} {:.10g} {:.12g} {:.10g} {:.10g} {:.10g} {:.10g}\n",
              at.t, at.x[phi1], at.x[phi2], at.x[w1], at.x[w2], counterweight.x, counterweight.y,
              tip.x, tip.y, projectile.x, projectile.y, mechanism.speed(at.x),
-             mechanism.energy(at.x), loads.projectile_pull, loads.tip_pull, loads.axle,
+             mechanism.energy(at.x), loads.projectile_tension, loads.tip_tension, loads.axle,
              std::abs(loads.beam_stress));
 }
 
-/// An observer of a swing that prints the rows due in each step, and remembers its end.
-template <class Stepper, Effects E>
+/// An observer that prints the rows within each step.
+template <Effects E>
 class Printer {
  public:
   Printer(const Job& job, const Design<double>& design, std::optional<double> interval,
           std::FILE* out)
       : motion_(job.scene, design),
         mechanism_(job.scene, design),
-        stepper_(make_stepper<Stepper>(job.solver)),
+        advance_(make_advance<double, E>(job.solver)),
         interval_(interval),
         out_(out) {}
 
   void operator()(const Instant<double, E>& from, const Instant<double, E>& to) {
     if (row_ == 0) print(from);
     if (!interval_) return print(to);
-    // Rows that fall on a step's end but for rounding are the step's end.
+    // A row at the end of a step, up to rounding, is the end of the step.
     const double rounding = 1e-9 * *interval_;
     for (double t = due(); t <= to.t + rounding; t = due())
-      print(std::abs(t - to.t) <= rounding ? to : after(from, t - from.t));
+      print(std::abs(t - to.t) <= rounding ? to : advance_(motion_, from, t - from.t));
   }
 
-  /// Prints the last moment, if no row fell on it.
+  /// Prints the end of the swing, unless the last row is there.
   void finish(const Outcome<double, E>& outcome) {
     if (row_ > 0 && outcome.t <= printed_) return;
     print(instant(motion_, outcome.t, outcome.x));
@@ -69,13 +70,6 @@ class Printer {
 
  private:
   double due() const { return static_cast<double>(row_) * *interval_; }
-
-  Instant<double, E> after(const Instant<double, E>& from, double h) {
-    Instant<double, E> to;
-    State<double, E> error;
-    advance(stepper_, motion_, from, h, to, error);
-    return to;
-  }
 
   void print(const Instant<double, E>& at) {
     print_row(mechanism_, at, out_);
@@ -85,7 +79,7 @@ class Printer {
 
   Motion<double, E> motion_;
   Mechanism<double, E> mechanism_;
-  Stepper stepper_;
+  Advance<double, E> advance_;
   std::optional<double> interval_;
   std::FILE* out_;
   std::uint64_t row_ = 0;
@@ -106,16 +100,12 @@ Status trace(const Job& job, const Design<double>& design, std::optional<double>
         "interval", fmt::format("{}", *interval),
         fmt::format("at least {:g} s, which makes {:g} rows up to max-time", shortest, most_rows));
   return with_effects(job.scene, [&]<Effects E>() {
-    return with_stepper(
-        job.solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-          using S = Stepper<double, E>;
-          if (!interval && is_adaptive<S>) interval = default_interval;
-          Printer<S, E> printer(job, design, interval, out);
-          print_header(job, out);
-          const auto outcome = swing<S, double, E>(job.scene, design, job.solver, printer);
-          printer.finish(outcome);
-          return outcome.status;
-        });
+    if (!interval && follows_tolerance(job.solver.stepper)) interval = default_interval;
+    Printer<E> printer(job, design, interval, out);
+    print_header(job, out);
+    const auto outcome = swing<E>(job.scene, design, job.solver, std::ref(printer));
+    printer.finish(outcome);
+    return outcome.status;
   });
 }
 

@@ -5,26 +5,40 @@
 #include <limits>
 #include <vector>
 
-#include "trebsweep/ode/steppers.hpp"
 #include "trebsweep/swing/kernel.hpp"
 #include "trebsweep/swing/spectrum.hpp"
-#include "trebsweep/swing/swings.hpp"
+#include "trebsweep/swing/swing.hpp"
 
 namespace trebsweep {
 namespace {
 
-/// integrate() without fields that are separate.
-Work integrate_swings(const Scene& scene, const Solver& solver, const Batch& batch) {
-  if (is_for_packs(solver.stepper)) return integrate_packs(scene, solver, batch);
+/// integrate() for a stepper that integrates one design at a time.
+Work integrate_one_by_one(const Scene& scene, const Solver& solver, const Batch& batch) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   return with_effects(scene, [&]<Effects E>() {
-    return with_stepper(
-        solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-          return swing_all<Stepper<double, E>, double, E>(scene, solver, batch);
-        });
+    Work work{};
+    for (std::size_t i = 0; i < batch.designs.size(); ++i) {
+      const auto [designs, results, fields, values] = batch.slice(i, 1);
+      std::ranges::fill(values, nan);
+      const auto outcome = swing<E>(scene, designs[0], solver, {}, fields, values);
+      const bool released = has_speed(outcome.status);
+      results[0] = {released ? outcome.speed : nan, released ? outcome.t : nan, outcome.steps,
+                    outcome.status};
+      if (!released) std::ranges::fill(values, nan);
+      work.lane_steps += outcome.steps;
+      work.evaluations += outcome.evaluations;
+    }
+    return work;
   });
 }
 
-/// A separate field of designs, whose shots are known.
+/// integrate() for fields that do not need an integration of their own.
+Work integrate_swings(const Scene& scene, const Solver& solver, const Batch& batch) {
+  return is_for_packs(solver.stepper) ? integrate_packs(scene, solver, batch)
+                                      : integrate_one_by_one(scene, solver, batch);
+}
+
+/// The values of a field that needs an integration of its own; `results` are those of the designs.
 std::vector<double> separate_values(Field field, const Scene& scene, const Solver& solver,
                                     std::span<const Design<double>> designs,
                                     std::span<const SwingResult> results) {
@@ -48,30 +62,25 @@ std::vector<double> separate_values(Field field, const Scene& scene, const Solve
 
 Work integrate(const Scene& scene, const Solver& solver, const Batch& batch) {
   const auto& [designs, results, fields, values] = batch;
-  std::vector<Field> swung;
-  std::copy_if(fields.begin(), fields.end(), std::back_inserter(swung),
+  std::vector<Field> ordinary;
+  std::copy_if(fields.begin(), fields.end(), std::back_inserter(ordinary),
                [](Field field) { return !is_separate(field); });
-  if (swung.size() == fields.size()) return integrate_swings(scene, solver, batch);
+  if (ordinary.size() == fields.size()) return integrate_swings(scene, solver, batch);
 
-  std::vector<double> swung_values(designs.size() * swung.size());
-  const Work work = integrate_swings(scene, solver, {designs, results, swung, swung_values});
+  std::vector<double> ordinary_values(designs.size() * ordinary.size());
+  const Work work = integrate_swings(scene, solver, {designs, results, ordinary, ordinary_values});
   for (std::size_t f = 0, s = 0; f < fields.size(); ++f) {
     std::vector<double> separate;
     if (is_separate(fields[f]))
       separate = separate_values(fields[f], scene, solver, designs, results);
     for (std::size_t i = 0; i < designs.size(); ++i)
       values[i * fields.size() + f] =
-          separate.empty() ? swung_values[i * swung.size() + s] : separate[i];
+          separate.empty() ? ordinary_values[i * ordinary.size() + s] : separate[i];
     if (separate.empty()) ++s;
   }
   return work;
 }
 
-Solver accurate(Solver solver) {
-  solver.stepper = "fehlberg78";
-  solver.tolerance = 1e-12;
-  solver.release = Release::crossing;
-  return solver;
-}
+Solver accurate(const Solver& limits) { return solver_of("fehlberg78", 1e-12, limits); }
 
 }  // namespace trebsweep

@@ -3,7 +3,8 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 
-#include "trebsweep/swing/swings.hpp"
+#include "trebsweep/ode/stepper.hpp"
+#include "trebsweep/swing/swing_by.hpp"
 
 namespace trebsweep {
 namespace {
@@ -15,10 +16,10 @@ Outcome<Quad, E> swing_at(double tolerance, const Scene& scene, const Design<dou
                           Solver solver) {
   solver.release = Release::crossing;
   solver.tolerance = tolerance;
-  return swing<Fehlberg78<Quad, E>, Quad, E>(scene, design, solver);
+  return swing_by<Fehlberg78<Quad, E>, Quad, E>(scene, design, solver);
 }
 
-/// How far the result can be off: by the other one's distance, and by rounding to double.
+/// A bound of the error of a result: its distance from the other one, plus rounding to double.
 double bound(const Quad& result, const Quad& other) {
   return static_cast<double>(abs(Quad(result - other))) +
          std::numeric_limits<double>::epsilon() / 2 * std::abs(static_cast<double>(result));

@@ -3,12 +3,13 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
-#include "trebsweep/ode/rosenbrock.hpp"
-#include "trebsweep/swing/swings.hpp"
+#include "trebsweep/model/jacobian.hpp"
+#include "trebsweep/swing/swing.hpp"
 
 namespace trebsweep {
 
 std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, Solver solver) {
+  solver.stepper = "rosenbrock4";
   solver.release = Release::crossing;
   solver.tolerance = 1e-5;
   return with_effects(scene, [&]<Effects E>() {
@@ -20,11 +21,11 @@ std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, 
       const auto eigenvalues = Eigen::EigenSolver<Jacobian<E>>(j, false).eigenvalues();
       spectra.push_back({h, {eigenvalues.begin(), eigenvalues.end()}});
     };
-    const auto observe = [&](const auto& from, const auto& to) {
+    const auto observe = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
       if (spectra.empty()) add(0, from.x);
       add(to.t - from.t, to.x);
     };
-    swing<Rosenbrock4<double, E>, double, E>(scene, design, solver, observe);
+    swing<E>(scene, design, solver, observe);
     return spectra;
   });
 }

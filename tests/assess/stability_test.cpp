@@ -34,7 +34,8 @@ TEST_CASE("Stability functions are those of the textbooks") {
           std::abs(z * z * z));
     CHECK(std::abs(stability_function("rk4", z) - taylor(z, 4)) < 1e-12);
   }
-  for (const auto name : pack_stepper_names) {
+  for (const auto name : stepper_names) {
+    if (!is_for_packs(name)) continue;
     const std::complex<double> z{-0.01, 0.02};
     CHECK(std::abs(stability_function(std::string(name), z) - std::exp(z)) < 3e-4);
   }

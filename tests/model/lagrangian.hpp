@@ -73,7 +73,7 @@ struct Sample {
       return 0;
   }
   /// What an elastic sling pulls with.
-  double pull() const {
+  double tension() const {
     const double stretch = sling_length() - design.r3;
     if (!E.elastic || stretch <= 0) return 0;
     return std::max(0.0, scene.sling_stiffness * stretch + scene.sling_damping * sling_rate());

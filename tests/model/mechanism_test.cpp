@@ -83,14 +83,14 @@ TEST_CASE("Places, speed and pull of the sling follow from the projectile's path
       const double fy = m3 * (at.y3.derivative(2) + s.scene.gravity);
       const double sx = std::sin(s.x[phi2]), sy = std::cos(s.x[phi2]);
       const auto loads = mechanism.loads(s.x, dxdt);
-      const double scale = m3 * s.scene.gravity + std::hypot(fx, fy) + s.pull();
+      const double scale = m3 * s.scene.gravity + std::hypot(fx, fy) + s.tension();
       if (E.elastic)
-        REQUIRE(std::abs(loads.projectile_pull - s.pull()) < 1e-10 * scale);
+        REQUIRE(std::abs(loads.projectile_tension - s.tension()) < 1e-10 * scale);
       else
-        REQUIRE(std::abs(loads.projectile_pull - (fx * sx + fy * sy)) < 1e-10 * scale);
+        REQUIRE(std::abs(loads.projectile_tension - (fx * sx + fy * sy)) < 1e-10 * scale);
       if (s.scene.sling_mass == 0) {
-        REQUIRE(std::abs(fx * sx + fy * sy - loads.projectile_pull) < 1e-9 * scale);
-        REQUIRE(std::abs(loads.tip_pull - loads.projectile_pull) < 1e-9 * scale);
+        REQUIRE(std::abs(fx * sx + fy * sy - loads.projectile_tension) < 1e-9 * scale);
+        REQUIRE(std::abs(loads.tip_tension - loads.projectile_tension) < 1e-9 * scale);
         REQUIRE(std::abs(fx * sy - fy * sx) < 1e-9 * scale);  // nothing across it
       }
     }
@@ -148,7 +148,7 @@ TEST_CASE("A beam at rest, held level by its weights, bends as a cantilever does
   // Level: phi1 = pi/2, the sling hangs; nothing accelerates.
   const State<double> x{boost::math::double_constants::half_pi, 0, 0, 0}, still{};
   const auto loads = mechanism.loads(x, still);
-  CHECK(loads.projectile_pull == Approx(100 * 9.8));
+  CHECK(loads.projectile_tension == Approx(100 * 9.8));
   CHECK(loads.axle == Approx(5100 * 9.8));
   CHECK(loads.beam_stress == Approx(6 * 100 * 9.8 * 2 / 1e-3));
 }

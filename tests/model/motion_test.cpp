@@ -27,7 +27,7 @@ std::array<double, 3> accelerations(const Sample<E>& sample) {
   double m[3][4] = {};
   const double friction = x[w1] > 0 ? sample.scene.pivot_friction : -sample.scene.pivot_friction;
   const std::array<double, 3> forces{-sample.scene.pivot_viscosity * x[w1] - friction, 0,
-                                     -sample.pull()};
+                                     -sample.tension()};
   for (std::size_t i = 0; i < n; ++i) {
     std::array<int, 6> qi{}, vi{};
     qi[i] = 1;
@@ -63,7 +63,7 @@ TEST_CASE(
       const auto dxdt = rates(sample);
       const auto expected = accelerations(sample);
       // Terms cancel at some states: measure against the largest thing that can.
-      const double force = sample.pull() / sample.scene.projectile_mass;
+      const double force = sample.tension() / sample.scene.projectile_mass;
       const double scale = 1 + force + std::abs(expected[0]) + std::abs(expected[1]);
       REQUIRE(dxdt[phi1] == sample.x[w1]);
       REQUIRE(dxdt[phi2] == sample.x[w2]);

@@ -25,7 +25,7 @@ struct Step {
 
 }  // namespace
 
-TEST_CASE("find_root ends at the root") {
+TEST_CASE("find_root converges to the root") {
   double last = -1;
   const auto cubic = [&](double x) {
     last = x;
@@ -37,9 +37,9 @@ TEST_CASE("find_root ends at the root") {
   }
 }
 
-TEST_CASE("find_root stays inside its bracket where Newton's method would leave it") {
+TEST_CASE("find_root stays inside the bracket where Newton's method would leave it") {
   double last = -1;
-  const auto steep = [&](double x) {  // flat but for the root's neighbourhood
+  const auto steep = [&](double x) {  // flat except near the root
     REQUIRE((0 < x && x < 1));
     last = x;
     return ValueAndSlope<double>{std::tanh(200 * (x - 0.7)),
@@ -49,7 +49,7 @@ TEST_CASE("find_root stays inside its bracket where Newton's method would leave 
   REQUIRE(last == Approx(0.7).epsilon(1e-13));
 }
 
-TEST_CASE("Lanes find their roots each by itself") {
+TEST_CASE("Every lane finds its own root") {
   using T = Pack<1>;
   for (std::size_t lane = 0; lane < Lanes<T>::count; ++lane) {
     T wanted = 0.5, found;
@@ -65,7 +65,7 @@ TEST_CASE("Lanes find their roots each by itself") {
   }
 }
 
-TEST_CASE("A release is met to rounding, between the ends of its step") {
+TEST_CASE("A release is located to rounding error, within its step") {
   for (const double h : {0.02, 0.1, 0.15}) {
     Step step({pi - 0.1, 2.5, 7, 18}, h);
     REQUIRE(step.to.x[phi1] > pi);
@@ -73,7 +73,7 @@ TEST_CASE("A release is met to rounding, between the ends of its step") {
     CHECK(std::abs(release.x[phi1] - pi) < 2e-15);
     CHECK(release.t > step.from.t);
     CHECK(release.t < step.to.t);
-    // It is the stepper's own step of that length.
+    // It is the end of a step of that length.
     Instant<double> again;
     State<double> error;
     advance(step.stepper, step.motion, step.from, release.t - step.from.t, again, error);
@@ -81,8 +81,10 @@ TEST_CASE("A release is met to rounding, between the ends of its step") {
   }
 }
 
-TEST_CASE("An arm that passes pi and turns back within one step is released on its way up") {
-  // The sling, across the arm and turning fast, throws the arm back.
+TEST_CASE(
+    "An arm that passes phi1 = pi and turns back within one step is released when it first "
+    "passes") {
+  // The sling, perpendicular to the arm and rotating fast, throws the arm back.
   Step step({pi - 1e-3, pi / 2, 0.35, 20}, 0.05);
   REQUIRE(step.to.x[phi1] < pi);
   step.to = step.turn();
@@ -93,7 +95,7 @@ TEST_CASE("An arm that passes pi and turns back within one step is released on i
   CHECK(release.x[w1] > 0);
 }
 
-TEST_CASE("An arm that turns back just short of pi has its turning point below") {
+TEST_CASE("An arm that turns back just before phi1 = pi has its turning point below pi") {
   Step step({pi - 1e-3, pi / 2, 0.1, 20}, 0.05);
   REQUIRE(step.to.x[w1] < 0);
   CHECK(step.turn().x[phi1] < pi);

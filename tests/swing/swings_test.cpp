@@ -7,7 +7,9 @@
 
 #include "support/catch.hpp"
 #include "support/paper_solver.hpp"
-#include "trebsweep/ode/steppers.hpp"
+#include "trebsweep/ode/stepper.hpp"
+#include "trebsweep/swing/swing.hpp"
+#include "trebsweep/swing/swing_by.hpp"
 
 using namespace trebsweep;
 
@@ -17,10 +19,7 @@ constexpr double pi = boost::math::double_constants::pi;
 constexpr Design<double> optimum{0.51, 0.58, 0.91};  // r1, r3, r2
 
 Outcome<double> shoot(const Scene& scene, const Design<double>& design, const Solver& solver) {
-  return with_stepper(
-      solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-        return swing<Stepper<double>, double>(scene, design, solver);
-      });
+  return swing<Effects{}>(scene, design, solver);
 }
 
 Solver accurate(double tolerance, const std::string& stepper = "dopri5") {
@@ -43,7 +42,7 @@ TEST_CASE("The paper's optimum: 17.47606519 m/s at step 92 by the paper's rules"
   CHECK(result.t == 0.92);
 }
 
-TEST_CASE("The paper's optimum, integrated truly, by every adaptive stepper") {
+TEST_CASE("Every adaptive stepper finds the true speed of the paper's optimum") {
   for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78"}) {
     const auto result = shoot(Scene{}, optimum, accurate(1e-13, name));
     CHECK(result.t == Approx(0.907088591346).margin(1e-12));
@@ -54,7 +53,7 @@ TEST_CASE("The paper's optimum, integrated truly, by every adaptive stepper") {
   }
 }
 
-TEST_CASE("Three designs on which three other programs agree") {
+TEST_CASE("Three designs have the results on which three other programs agree") {
   Scene scene;
   scene.gravity = 9.81;
   struct Known {
@@ -71,7 +70,7 @@ TEST_CASE("Three designs on which three other programs agree") {
   }
 }
 
-TEST_CASE("Odd scenes with known ends") {
+TEST_CASE("Unusual scenes have their known outcomes") {
   const auto short_sling = shoot(Scene{}, {0.51, 0.001, 0.91}, tight);
   CHECK(short_sling.t == Approx(0.899289578).margin(6e-10));
   CHECK(short_sling.speed == Approx(7.44223).margin(6e-6));
@@ -89,12 +88,15 @@ TEST_CASE("Odd scenes with known ends") {
   CHECK(shoot(light, optimum, tight).status == Status::not_released);
 }
 
-TEST_CASE("All legible rows of the paper's Appendix C, which left the beam's inertia out") {
+TEST_CASE(
+    "The legible rows of the paper's Appendix C, without the beam's inertia, are reproduced") {
   Scene scene;
   scene.beam_inertia = BeamInertia::none;
   std::vector<State<double>> states{start(scene, optimum)};
-  const auto record = [&](const auto&, const Instant<double>& to) { states.push_back(to.x); };
-  const auto outcome = swing<Euler<double>, double>(scene, optimum, paper_solver(), record);
+  const auto record = [&](const Instant<double>&, const Instant<double>& to) {
+    states.push_back(to.x);
+  };
+  const auto outcome = swing<Effects{}>(scene, optimum, paper_solver(), record);
   CHECK(outcome.steps == 91);
 
   std::ifstream file(SOURCE_DIR "/tests/swing/appendix_c.csv");
@@ -111,7 +113,7 @@ TEST_CASE("All legible rows of the paper's Appendix C, which left the beam's ine
   CHECK(rows == 65);
 }
 
-TEST_CASE("Without a projectile's mass the beam is a physical pendulum") {
+TEST_CASE("With a massless projectile the beam is a physical pendulum") {
   Scene scene;
   scene.projectile_mass = 1e-12;
   for (const Design<double>& d : {optimum, Design<double>{1.2, 0.5, 0.4}}) {
@@ -152,25 +154,26 @@ TEST_CASE("Energy stays constant to the tolerance over a long swing") {
     const Mechanism<double> mechanism(scene, optimum);
     const double before = mechanism.energy(start(scene, optimum));
     double drift = 0, kinetic = 0;
-    const auto watch = [&](const auto&, const Instant<double>& to) {
+    const auto observe = [&](const Instant<double>&, const Instant<double>& to) {
       drift = std::max(drift, std::abs(mechanism.energy(to.x) - before));
       kinetic = std::max(kinetic, mechanism.kinetic_energy(to.x));
     };
-    swing<Dopri5<double>, double>(scene, optimum, accurate(tolerance), watch);
+    swing<Effects{}>(scene, optimum, accurate(tolerance), observe);
     CHECK(drift < 1000 * tolerance * kinetic);
     CHECK(drift > 0);
   }
 }
 
-TEST_CASE("The same swing in quadruple precision confirms the digits of double") {
+TEST_CASE("A swing in double precision agrees with quadruple precision") {
   using Quad = boost::multiprecision::cpp_bin_float_quad;
-  const auto outcome = swing<Fehlberg78<Quad>, Quad>(Scene{}, optimum, accurate(1e-15));
+  const auto outcome =
+      swing_by<Fehlberg78<Quad>, Quad, Effects{}>(Scene{}, optimum, accurate(1e-15));
   const auto result = shoot(Scene{}, optimum, tight);
   CHECK(result.t == Approx(static_cast<double>(outcome.t)).epsilon(1e-13));
   CHECK(result.speed == Approx(static_cast<double>(outcome.speed)).epsilon(1e-12));
 }
 
-TEST_CASE("Met exactly, Euler's release converges with order 1, Runge and Kutta's with order 4") {
+TEST_CASE("The located release converges with order 1 for euler and 4 for rk4") {
   const double truth = shoot(Scene{}, optimum, tight).speed;
   const auto error = [&](const std::string& stepper, double step) {
     Solver solver = accurate(1e-9, stepper);
@@ -209,7 +212,7 @@ TEST_CASE("A step budget ends a swing as step_budget") {
   }
 }
 
-TEST_CASE("A window too narrow for the step is stepped over") {
+TEST_CASE("A window narrower than a step may be stepped over") {
   Solver solver = paper_solver();
   solver.release_window = 1e-6;
   CHECK(shoot(Scene{}, optimum, solver).status == Status::not_released);
@@ -228,7 +231,7 @@ TEST_CASE("A state that overflows is non_finite, never a number") {
   CHECK(shoot(Scene{}, optimum, euler).status == Status::non_finite);
 }
 
-TEST_CASE("Steps too short to advance the clock are step_underflow") {
+TEST_CASE("Steps too short to change the time end a swing as step_underflow") {
   const Design<double> tiny_sling{0.51, 1e-34, 0.91};  // its swing would take 1e-17 s
   for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78"})
     CHECK(shoot(Scene{}, tiny_sling, accurate(1e-9, name)).status == Status::step_underflow);
@@ -241,7 +244,7 @@ TEST_CASE("A distant time limit changes nothing") {
   CHECK(shoot(Scene{}, optimum, solver).speed == result.speed);
 }
 
-TEST_CASE("A release behind the time limit does not count, in the middle of a fixed step either") {
+TEST_CASE("A release after the time limit does not count, even within a fixed step") {
   for (const std::string name : {"euler", "rk4", "dopri5"}) {
     Solver solver = accurate(1e-9, name);
     solver.time_step = 0.3;
@@ -253,7 +256,7 @@ TEST_CASE("A release behind the time limit does not count, in the middle of a fi
   }
 }
 
-TEST_CASE("A counterweight that starts at its lowest is no release at the start") {
+TEST_CASE("A counterweight that starts at its lowest point is not released at the start") {
   Scene scene;
   scene.release_height = 0.5;
   for (const Release release : {Release::crossing, Release::window}) {

@@ -11,8 +11,8 @@ template <Effects E>
 using Jacobian =
     Eigen::Matrix<double, static_cast<int>(coordinates<E>), static_cast<int>(coordinates<E>)>;
 
-/// The derivatives of the rates by the state, a row for each rate: by automatic differentiation of
-/// the equations themselves, forward through all coordinates at once.
+/// The Jacobian of the right-hand side, row i the gradient of rate i: forward-mode automatic
+/// differentiation of the equations of motion.
 template <Effects E>
 Jacobian<E> jacobian(const Motion<double, E>& motion, const State<double, E>& x) {
   constexpr auto n = static_cast<int>(coordinates<E>);

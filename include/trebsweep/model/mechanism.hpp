@@ -7,8 +7,8 @@
 
 namespace trebsweep {
 
-/// A place or a force in the plane of the swing, in SI units; the fulcrum is the origin, y points
-/// up.
+/// A position, velocity or force in the plane of the swing (SI units). The origin is the fulcrum; y
+/// points up.
 template <class T>
 struct Vector {
   T x, y;
@@ -18,33 +18,31 @@ struct Vector {
   friend T dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y; }
 };
 
-/// Whether the counterweight's arm can reach the height it starts from: r1 >= |h - h0| (39).
+/// Whether the counterweight's arm reaches the start height: r1 >= |h - h0| (39).
 inline bool start_is_reachable(const Scene& scene, double r1) {
-  // A few ulps of slack: h - h0 is rounded, and an arm of just that length is meant to start
-  // upright.
+  // Tolerates the rounding of h - h0: an arm of exactly that length starts upright.
   return r1 * (1 + 1e-12) >= std::abs(scene.release_height - scene.fulcrum_height);
 }
 
-/// Masses to which projectile and sling add up, where the sling's velocity is linear along it: all
-/// of it moves with the arm's tip, half of it couples the tip's motion to the sling's, and a third
-/// swings about the tip.
+/// Effective masses of projectile and sling, kg. The velocity of the sling is linear along its
+/// length, so that its whole mass moves with the arm's tip (M), half of it couples the motions of
+/// tip and projectile (M1), and a third swings about the tip (M2).
 struct SlingMasses {
   explicit SlingMasses(const Scene& scene)
       : all(scene.projectile_mass + scene.sling_mass),
         coupling(scene.projectile_mass + scene.sling_mass / 2),
         swinging(scene.projectile_mass + scene.sling_mass / 3) {}
-  double all, coupling, swinging;
+  double all, coupling, swinging;  // M, M1, M2
 };
 
-/// The state at the start: at rest, with the counterweight at its height (39), and an elastic sling
-/// as long as its load stretches it. Only where start_is_reachable().
+/// The initial state: at rest, with the counterweight at height h (39), and an elastic sling
+/// stretched by the weight it carries. Requires start_is_reachable().
 template <class T, Effects E = Effects{}>
 State<T, E> start(const Scene& scene, const Design<T>& design) {
   using std::atan2;
   using std::sqrt;
   const T height = scene.release_height - scene.fulcrum_height;
-  // arccos(height / r1), written so that it keeps its digits near the upright, unstable
-  // equilibrium.
+  // arccos(height / r1) without cancellation near the unstable upright equilibrium.
   const T square = T(design.r1 - height) * T(design.r1 + height);
   const T angle = atan2(T(sqrt(select(square > T(0), square, T(0)))), height);
   if constexpr (E.elastic) {
@@ -57,25 +55,27 @@ State<T, E> start(const Scene& scene, const Design<T>& design) {
   }
 }
 
-/// Pull of an elastic sling, N, stretched by so much at such a rate: it never pushes.
+/// Tension of an elastic sling, N, for a stretch (m) and its rate (m/s); never negative.
 template <class T>
-T elastic_pull(const T& stretch, const T& rate, const T& stiffness, const T& damping) {
+T elastic_tension(const T& stretch, const T& rate, const T& stiffness, const T& damping) {
   const T force = stiffness * stretch + damping * rate;
   return select((stretch > T(0)) & (force > T(0)), force, T(0));
 }
 
-/// What bodies and joints bear at a moment.
+/// The loads of sling, axle and beam at one time.
 template <class T>
 struct Loads {
-  T projectile_pull;  ///< N: of the sling on the projectile; below zero where it would have to push
-  T tip_pull;         ///< N: of the sling on the arm's tip
-  T axle;             ///< N: force between axle and beam
+  T projectile_tension;  ///< N: of the sling at the projectile; negative where a rigid sling would
+                         ///< have to push
+  T tip_tension;         ///< N: of the sling at the arm's tip
+  T axle;                ///< N: force between axle and beam
   T beam_stress;  ///< Pa: bending stress at the fulcrum, at the surface of the throwing arm; its
                   ///< sign is that of the bending moment
 };
 
-/// The bodies of one design in a scene, and what they do in a state; the equations that move them
-/// are Motion's. Equation numbers are the paper's; D stands for phi1 - phi2.
+/// Positions, velocities, energies and loads of one design in a scene, as functions of the state;
+/// the equations of motion are in Motion. Equation numbers are the paper's; D stands for phi1 -
+/// phi2.
 template <class T, Effects E = Effects{}>
 class Mechanism {
  public:
@@ -89,7 +89,7 @@ class Mechanism {
            T(design_.r1 + design_.r2);
   }
 
-  /// Distance of the beam's centre beyond the fulcrum, m (7).
+  /// Distance of the beam's centre of mass from the fulcrum, m, positive towards the sling (7).
   T beam_centre() const { return (design_.r2 - design_.r1) / T(2); }
 
   /// Moment of inertia of counterweight and beam about the fulcrum, kg m^2: m1 r1^2 + Izz (18).
@@ -104,13 +104,13 @@ class Mechanism {
     return sum;
   }
 
-  /// Counterweight's less beam's moment of mass about the fulcrum, kg m: m1 r1 - m2 r.
+  /// First moment of mass of counterweight and beam about the fulcrum, kg m: m1 r1 - m2 r.
   T moment() const {
     const T m1(scene_.counterweight_mass);
     return m1 * design_.r1 - beam_mass() * beam_centre();
   }
 
-  /// m: r3, or what an elastic one is stretched to.
+  /// m: r3, or the current length of an elastic sling.
   T sling_length(const X& x) const {
     if constexpr (E.elastic)
       return x[length];
@@ -118,14 +118,14 @@ class Mechanism {
       return design_.r3;
   }
 
-  /// Pull of an elastic sling, N.
-  T sling_pull(const X& x) const {
-    return elastic_pull(T(x[length] - design_.r3), x[stretching], T(scene_.sling_stiffness),
-                        T(scene_.sling_damping));
+  /// Tension of an elastic sling, N.
+  T sling_tension(const X& x) const {
+    return elastic_tension(T(x[length] - design_.r3), x[stretching], T(scene_.sling_stiffness),
+                           T(scene_.sling_damping));
   }
 
-  /// Kinetic energy of counterweight, beam, sling and projectile, J: (14) + (15) + (20), and
-  /// ms (vt^2 + vt.vp + vp^2)/6 of a sling between a tip with velocity vt and a projectile with vp.
+  /// Kinetic energy of counterweight, beam, sling and projectile, J: (14) + (15) + (20), plus
+  /// ms (vt^2 + vt.vp + vp^2)/6 for a sling between a tip of velocity vt and a projectile of vp.
   T kinetic_energy(const X& x) const {
     const SlingMasses m(scene_);
     const auto [sinD, cosD] = sin_cos(T(x[phi1] - x[phi2]));
@@ -140,7 +140,7 @@ class Mechanism {
            T(2);
   }
 
-  /// Potential energy of the weights against the fulcrum's height, J: (23) + (24) + (25).
+  /// Gravitational potential energy relative to the fulcrum's height, J: (23) + (24) + (25).
   T potential_energy(const X& x) const {
     const SlingMasses m(scene_);
     const T arms = moment() - T(m.all) * design_.r2;
@@ -148,7 +148,7 @@ class Mechanism {
            T(arms * sin_cos(x[phi1]).cos - T(m.coupling) * sling_length(x) * sin_cos(x[phi2]).cos);
   }
 
-  /// Kinetic and potential energy, and that of the sling's stretch, J.
+  /// Kinetic, potential and elastic energy, J.
   T energy(const X& x) const {
     const T sum = kinetic_energy(x) + potential_energy(x);
     if constexpr (E.elastic) {
@@ -159,20 +159,19 @@ class Mechanism {
     return sum;
   }
 
-  /// Power lost to friction at the pivot and in the sling, W.
+  /// Power dissipated by friction at the pivot and damping of the sling, W.
   T dissipation(const X& x) const {
     using std::abs;
     T sum = T(scene_.pivot_viscosity) * x[w1] * x[w1] + T(scene_.pivot_friction) * abs(x[w1]);
     if constexpr (E.elastic) {
       const T stretch = x[length] - design_.r3;
       const T spring = T(scene_.sling_stiffness) * select(stretch > T(0), stretch, T(0));
-      sum += T(sling_pull(x) - spring) * x[stretching];
+      sum += T(sling_tension(x) - spring) * x[stretching];
     }
     return sum;
   }
 
-  /// The projectile's speed, m/s (46), as a sum of squares so that rounding cannot make it
-  /// negative.
+  /// Speed of the projectile, m/s (46), as a sum of squares, which rounding cannot make negative.
   T speed(const X& x) const {
     using std::sqrt;
     const auto [sinD, cosD] = sin_cos(T(x[phi1] - x[phi2]));
@@ -185,13 +184,13 @@ class Mechanism {
   /// (1) (2)
   Vector<T> counterweight(const X& x) const { return design_.r1 * arm(x); }
 
-  /// The throwing arm's end, where the sling is tied.
+  /// The end of the throwing arm, where the sling is attached.
   Vector<T> arm_tip(const X& x) const { return -design_.r2 * arm(x); }
 
   /// (10) (11)
   Vector<T> projectile(const X& x) const { return arm_tip(x) + -sling_length(x) * sling(x); }
 
-  /// The projectile's velocity, m/s: (10) and (11) differentiated.
+  /// Velocity of the projectile, m/s: time derivative of (10) and (11).
   Vector<T> velocity(const X& x) const {
     Vector<T> v =
         T(-design_.r2 * x[w1]) * turned(arm(x)) + T(-sling_length(x) * x[w2]) * turned(sling(x));
@@ -199,16 +198,16 @@ class Mechanism {
     return v;
   }
 
-  /// Loads by Newton's law from the accelerations of all masses. The stress is that of the bending
-  /// moment which the sling, the arm's weight and its inertia make at the fulcrum, in a uniform
-  /// square section: 6 M/s^3 (Gere and Goodno, Mechanics of Materials, flexure formula).
+  /// Loads by Newton's second law from the accelerations of all masses. The stress 6 M/s^3 is that
+  /// of a uniform square section (flexure formula, Gere and Goodno, Mechanics of Materials) under
+  /// the bending moment M of sling, weight and inertia of the throwing arm at the fulcrum.
   Loads<T> loads(const X& x, const X& dxdt) const {
     using std::abs;
     using std::sqrt;
     const auto& [r1, r3, r2] = design_;
     const T g(scene_.gravity), m3(scene_.projectile_mass), ms(scene_.sling_mass);
     const Vector<T> up{T(0), g}, a = arm(x), e = sling(x);
-    // Acceleration of a point at distance one along the counterweight's arm.
+    // Acceleration of a point at unit distance along the counterweight's arm.
     const Vector<T> turn = dxdt[w1] * turned(a) + T(-x[w1] * x[w1]) * a;
     const T l = sling_length(x);
     T along = l * x[w2] * x[w2], across = -l * dxdt[w2];
@@ -216,21 +215,22 @@ class Mechanism {
       along = along - dxdt[stretching];
       across = across - T(2) * x[stretching] * x[w2];
     }
-    const Vector<T> tip = -r2 * turn + up;  // gravity is an acceleration upwards
+    const Vector<T> tip = -r2 * turn + up;  // gravity acts like an upward acceleration
     const Vector<T> end = tip + along * e + across * turned(e);
-    const Vector<T> pull = m3 * end + T(ms / T(2)) * (tip + end);
+    const Vector<T> tension = m3 * end + T(ms / T(2)) * (tip + end);
     const Vector<T> axle = T(scene_.counterweight_mass) * (r1 * turn + up) +
-                           beam_mass() * (T(-beam_centre()) * turn + up) + pull;
+                           beam_mass() * (T(-beam_centre()) * turn + up) + tension;
     const double side = scene_.beam_side, per_metre = scene_.beam_density * side * side;
     const double turning = scene_.beam_inertia == BeamInertia::none ? 0 : per_metre / 3;
     const T bending = T(turning) * r2 * r2 * r2 * dxdt[w1] +
-                      T(per_metre * scene_.gravity / 2) * r2 * r2 * a.x - r2 * dot(pull, turned(a));
+                      T(per_metre * scene_.gravity / 2) * r2 * r2 * a.x -
+                      r2 * dot(tension, turned(a));
     Loads<T> loads;
     if constexpr (E.elastic)
-      loads.projectile_pull = sling_pull(x);
+      loads.projectile_tension = sling_tension(x);
     else
-      loads.projectile_pull = m3 * dot(end, e);
-    loads.tip_pull = dot(pull, e);
+      loads.projectile_tension = m3 * dot(end, e);
+    loads.tip_tension = dot(tension, e);
     loads.axle = sqrt(dot(axle, axle));
     loads.beam_stress = T(6 / (side * side * side)) * bending;
     return loads;
@@ -240,19 +240,19 @@ class Mechanism {
   const Design<T>& design() const { return design_; }
 
  private:
-  /// The direction from the fulcrum to the counterweight.
+  /// Unit vector from the fulcrum to the counterweight.
   static Vector<T> arm(const X& x) {
     const auto [sin, cos] = sin_cos(x[phi1]);
     return {sin, cos};
   }
 
-  /// The direction from the projectile to the arm's tip.
+  /// Unit vector from the projectile to the arm's tip.
   static Vector<T> sling(const X& x) {
     const auto [sin, cos] = sin_cos(x[phi2]);
     return {sin, cos};
   }
 
-  /// A direction's rate as its angle grows.
+  /// Derivative of a unit vector with respect to its angle.
   static Vector<T> turned(const Vector<T>& a) { return {a.y, -a.x}; }
 
   Scene scene_;

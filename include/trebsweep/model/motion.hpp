@@ -11,23 +11,25 @@ namespace trebsweep {
 
 /// The equations of motion of one design in a scene.
 ///
-/// T is the number type: double, a pack of designs, or a multiprecision type; E says which effects
-/// act. Equation numbers are the paper's; D stands for phi1 - phi2.
+/// T is the number type: double, a pack of designs, or a multiprecision type. E selects the
+/// effects. Equation numbers are the paper's; D stands for phi1 - phi2. README.md has the
+/// derivation.
 ///
-/// Lagrange's equations, with I0 w1^2/2 (14) (15) for counterweight and beam; the masses M, M1, M2
-/// of SlingMasses; the sling's length l;
+/// Lagrange's equations, with I0 w1^2/2 for counterweight and beam (14) (15), the masses M, M1, M2
+/// of SlingMasses, and the sling's length l, follow from
 ///   kinetic energy     (I0 w1^2 + M r2^2 w1^2 + M2 (l^2 w2^2 + l'^2))/2
 ///                      + M1 r2 w1 (l w2 cos D - l' sin D),
 ///   potential energy   g [(m1 r1 - m2 r - M r2) cos phi1 - M1 l cos phi2];
-/// the sling's pull S, and by Rayleigh's dissipation the pivot's torque Q = -c w1 - F sign w1:
+/// the sling's tension S, and the pivot's friction torque Q = -c w1 - F sign w1:
 ///   (I0 + M r2^2) w1' + M1 r2 [l w2' cos D - l'' sin D + 2 l' w2 cos D + l w2^2 sin D]
 ///                                                     = g (m1 r1 - m2 r - M r2) sin phi1 + Q,
 ///   M1 r2 (w1' cos D - w1^2 sin D) + M2 (l w2' + 2 l' w2) = -g M1 sin phi2,
 ///   M2 (l'' - l w2^2) - M1 r2 (w1' sin D + w1^2 cos D) = g M1 cos phi2 - S.
-/// With l'' and w2' from the last two, all that is left of them in the first is
+/// Eliminating l'' and w2' by the last two, the first becomes
 ///   (I0 + m r2^2) w1' = g (m1 r1 - m2 r - m r2) sin phi1 - M1/M2 r2 S sin D + Q, m = M - M1^2/M2.
-/// For a rigid sling, l = r3, and the first two give (40) and (36), here divided by M1^2/M2 r2^2:
-/// the form that needs the fewest operations. A sling's mass changes its constants alone.
+/// For a rigid sling, l = r3, and the first two give (40) and (36). Both sides of (40) are divided
+/// by M1^2/M2 r2^2 here, the form with the fewest operations. The sling's mass only changes
+/// constants.
 template <class T, Effects E = Effects{}>
 class Motion {
  public:
@@ -37,7 +39,7 @@ class Motion {
     const Mechanism<T, E> mechanism(scene, design);
     const auto& [r1, r3, r2] = design;
     const double ratio = m.coupling / m.swinging;  // M1/M2
-    // M - M1^2/M2, written so that it is zero without a sling's mass.
+    // M - M1^2/M2, exactly zero for a massless sling.
     const double tip =
         scene.sling_mass * (4 * scene.projectile_mass + scene.sling_mass) / (12 * m.swinging);
     const T inertia = mechanism.inertia() + T(tip) * r2 * r2;
@@ -63,13 +65,13 @@ class Motion {
     rates(x, directions(x), dxdt);
   }
 
-  /// The same from the angles' sines and cosines; it does not look at the angles. X is T, or a
-  /// number over T that carries derivatives.
+  /// The same from the sines and cosines of the angles; the angles in x are not used. X is T, or a
+  /// dual number over T.
   template <class X>
   void rates(std::span<const std::type_identity_t<X>, coordinates<E>> x,
              std::span<const std::type_identity_t<X>, 4> at,
              std::array<X, coordinates<E>>& dxdt) const {
-    // D's sine and cosine from those of phi1 and phi2.
+    // Sine and cosine of D by the addition theorems.
     const X sinD = at[sin1] * at[cos2] - at[cos1] * at[sin2];
     const X cosD = at[cos1] * at[cos2] + at[sin1] * at[sin2];
     const X w1w1 = x[w1] * x[w1];
@@ -77,9 +79,9 @@ class Motion {
     dxdt[phi1] = x[w1];
     dxdt[phi2] = x[w2];
     if constexpr (E.elastic) {
-      const X pull = elastic_pull(X(x[length] - sling_.r3), x[stretching], X(sling_.stiffness),
-                                  X(sling_.damping));
-      const X torque = torque_ * at[sin1] - sling_.arm_inertia * pull * sinD;
+      const X tension = elastic_tension(X(x[length] - sling_.r3), x[stretching],
+                                        X(sling_.stiffness), X(sling_.damping));
+      const X torque = torque_ * at[sin1] - sling_.arm_inertia * tension * sinD;
       const X acceleration1 = with_friction(torque, x[w1]);
       const X across = X(w1w1 * sinD - weight) - acceleration1 * cosD;
       const X along = g_r2_ * at[cos2] + X(w1w1 * cosD + acceleration1 * sinD);
@@ -87,7 +89,8 @@ class Motion {
       dxdt[w1] = acceleration1;
       dxdt[w2] = quotient(X(sling_.arm * across - twice * x[w2]), x[length]);
       dxdt[length] = x[stretching];
-      dxdt[stretching] = sling_.arm * along + X(x[length] * x[w2] * x[w2] - pull * sling_.per_mass);
+      dxdt[stretching] =
+          sling_.arm * along + X(x[length] * x[w2] * x[w2] - tension * sling_.per_mass);
     } else {
       const X whirl = w1w1 * cosD + sling_.r3_r2 * x[w2] * x[w2];
       const X numerator = torque_ * at[sin1] + X(weight * cosD - sinD * whirl);
@@ -99,14 +102,14 @@ class Motion {
   }
 
  private:
-  /// What is left of a torque after the pivot's friction: dry friction opposes the turning, and at
-  /// rest the torque itself, up to its size.
+  /// A torque reduced by the pivot's friction. Dry friction opposes the rotation and, at rest, the
+  /// torque itself up to its magnitude.
   template <class X>
   X with_friction(const X& torque, const X& rate) const {
     if constexpr (E.pivot) {
       const X viscous = torque - pivot_.viscosity * rate;
-      // Any rate decides, but for one of a nanosecond's acceleration: a stage of fehlberg78 that
-      // returns to a start from rest misses the rest by roundings.
+      // The sign of the rate decides, unless the rate is below what the torque causes in 1 ns:
+      // fehlberg78 has stages that return to a start at rest up to rounding errors.
       const X driving = X(1e9) * rate + viscous;
       const X most(pivot_.friction), least(-pivot_.friction);
       const X dry = select(driving < most, select(driving > least, driving, least), most);
@@ -117,13 +120,13 @@ class Motion {
   }
 
   struct Rigid {
-    T inertia;  // I0 + (M - M1^2/M2) r2^2, over what the equation of phi1 is divided by
+    T inertia;  // (I0 + (M - M1^2/M2) r2^2) / (M1^2/M2 r2^2)
     T r3_r2, r2_r3;
   };
   struct Elastic {
     T r3;
     T arm;          // M1/M2 r2
-    T arm_inertia;  // the same, over I0 + (M - M1^2/M2) r2^2
+    T arm_inertia;  // M1/M2 r2 / (I0 + (M - M1^2/M2) r2^2)
     T stiffness, damping;
     T per_mass;  // 1/M2
   };
@@ -133,7 +136,9 @@ class Motion {
   struct None {};
 
   T g_r2_;
-  T torque_;  // g (m1 r1 - m2 r - M r2), over what the equation of phi1 is divided by
+  // Rigid: g (m1 r1 - m2 r - M r2) / (M1^2/M2 r2^2); elastic: g (m1 r1 - m2 r - m r2) / (I0 + m
+  // r2^2).
+  T torque_;
   std::conditional_t<E.elastic, Elastic, Rigid> sling_;
   [[no_unique_address]] std::conditional_t<E.pivot, Friction, None> pivot_;
 };

@@ -5,14 +5,14 @@
 
 namespace trebsweep {
 
-/// How the beam's mass resists turning: the paper's slender rod (18), the exact square prism, or
-/// not at all (as in the paper's Appendix C, where only the beam's weight acts).
+/// The beam's moment of inertia: that of a slender rod as in the paper (18), that of the square
+/// prism, or zero (as in the paper's Appendix C, where only the beam's weight acts).
 enum class BeamInertia { slender, prism, none };
 
 /// In the order of BeamInertia.
 inline constexpr std::array<std::string_view, 3> beam_inertia_names{"slender", "prism", "none"};
 
-/// The physical situation of every design of a job, in SI units; the defaults are the paper's.
+/// The physical situation that all designs of a job share, in SI units. Defaults are the paper's.
 struct Scene {
   double gravity = 9.8;              ///< g, m/s^2
   double counterweight_mass = 5000;  ///< m1, kg
@@ -22,18 +22,16 @@ struct Scene {
   double beam_density = 7850;   ///< rho, kg/m^3
   double beam_side = 0.10;      ///< s, m: side of the beam's square section
   BeamInertia beam_inertia = BeamInertia::slender;
-  double sling_angle = 0;  ///< phi2(0), rad
-  double pivot_viscosity =
-      0;  ///< N m s/rad: the beam's turning is resisted by a torque of this x w1
-  double pivot_friction = 0;  ///< N m: a dry torque, which also holds a beam at rest
-  double sling_mass = 0;      ///< kg, spread evenly along the sling
-  double sling_stiffness =
-      0;                     ///< N/m: the sling pulls in proportion to its stretch; 0: it is rigid
-  double sling_damping = 0;  ///< N s/m: and to the stretch's rate
+  double sling_angle = 0;      ///< phi2(0), rad
+  double pivot_viscosity = 0;  ///< N m s/rad: viscous friction torque of the pivot per rate w1
+  double pivot_friction = 0;   ///< N m: dry friction torque of the pivot, also at rest
+  double sling_mass = 0;       ///< kg, uniform along the sling
+  double sling_stiffness = 0;  ///< N/m: tension per stretch; 0: a rigid sling
+  double sling_damping = 0;    ///< N s/m: tension per rate of the stretch
 };
 
-/// The effects that change the form of the equations; they are compiled in or not. The others,
-/// masses and inertias, change constants alone.
+/// Effects that change the form of the equations, selected at compile time. Masses and inertias
+/// only change constants.
 struct Effects {
   bool pivot = false;    ///< friction at the fulcrum, viscous and dry
   bool elastic = false;  ///< an elastic sling
@@ -43,7 +41,7 @@ inline Effects effects(const Scene& scene) {
   return {scene.pivot_viscosity > 0 || scene.pivot_friction > 0, scene.sling_stiffness > 0};
 }
 
-/// Whether some effect takes energy away.
+/// Whether an effect dissipates energy.
 inline bool is_dissipative(const Scene& scene) {
   return scene.pivot_viscosity > 0 || scene.pivot_friction > 0 || scene.sling_damping > 0;
 }

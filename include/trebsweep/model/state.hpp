@@ -4,13 +4,14 @@
 #include <cstddef>
 
 #include "trebsweep/model/scene.hpp"
+#include "trebsweep/simd/lanes.hpp"
 #include "trebsweep/simd/sin_cos.hpp"
 
 namespace trebsweep {
 
-/// Places of a swing's coordinates in its state: the two angles (rad, clockwise; phi1 from the
-/// upward vertical to the counterweight's arm, phi2 from the downward vertical to the sling) and
-/// their rates; with an elastic sling, its length (m) and that one's rate.
+/// Indices of the coordinates in a state: phi1 (rad, clockwise from the upward vertical to the
+/// counterweight's arm), phi2 (rad, clockwise from the downward vertical to the sling), their rates
+/// w1 and w2 (rad/s) and, with an elastic sling, its length (m) and the rate of that (m/s).
 enum Coordinate : std::size_t { phi1, phi2, w1, w2, length, stretching };
 
 template <Effects E>
@@ -19,7 +20,7 @@ inline constexpr std::size_t coordinates = E.elastic ? 6 : 4;
 template <class T, Effects E = Effects{}>
 using State = std::array<T, coordinates<E>>;
 
-/// Sines and cosines of a state's angles.
+/// Indices of the sines and cosines of both angles.
 enum Direction : std::size_t { sin1, cos1, sin2, cos2 };
 
 template <class T>

@@ -7,9 +7,9 @@
 
 namespace trebsweep {
 
-/// The multistep method of Adams, Bashforth and Moulton over five steps of one length. A step that
-/// does not go on from where the last one ended begins a new history; one of another length leaves
-/// the history alone, and is one of fehlberg78.
+/// Odeint's Adams-Bashforth-Moulton method with five steps. A step that does not start where the
+/// last one ended restarts the history. A step of another length, as event location takes it, is
+/// one of fehlberg78 and does not change the history.
 template <class T, Effects E = Effects{}>
 class AdamsBashforthMoulton {
  public:
@@ -20,7 +20,7 @@ class AdamsBashforthMoulton {
   int order() const { return Base::order_value; }
   std::uint64_t evaluations() const { return evaluations_; }
 
-  /// The step of advance().
+  /// See advance().
   void step(const Motion<T, E>& motion, const Instant<T, E>& from, const T& h, Instant<T, E>& to,
             State<T, E>& error) {
     if (h != h_) {

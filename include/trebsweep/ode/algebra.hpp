@@ -7,12 +7,11 @@
 
 namespace trebsweep {
 
-// What Odeint's steppers compute with. They do what its default_operations and array_algebra do,
-// but for a compiler that has inlined a whole step, factors are constants here and loops are
-// unrolled.
+// Replacements for Odeint's default_operations and array_algebra with the same results. Once a step
+// is inlined, the compiler sees constant factors and unrolled loops.
 
-/// Sums of terms with a factor each, without the terms whose factor is zero (a third of
-/// fehlberg78's) and without products by one.
+/// Linear combinations that omit terms whose factor is zero (a third of fehlberg78's) and products
+/// with one.
 struct Operations {
   template <class Factor, std::size_t N>
   struct Sum {
@@ -60,69 +59,69 @@ struct Operations {
   using scale_sum14 = Sum<Factor, 14>;
 };
 
-/// Calls an operation, the last argument, for each place of some arrays.
+/// Applies an operation, the last argument, to corresponding elements of arrays.
 struct Algebra {
   template <class... S>
   static void for_each2(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each3(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each4(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each5(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each6(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each7(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each8(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each9(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each10(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each11(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each12(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each13(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each14(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
   template <class... S>
   static void for_each15(S&&... s) {
-    for_each_place(std::tie(s...));
+    for_each_element(std::tie(s...));
   }
 
  private:
   template <class X, class... S>
-  static void for_each_place(const std::tuple<X&, S&...>& s) {
-    constexpr auto places = std::make_index_sequence<std::tuple_size_v<X>>();
+  static void for_each_element(const std::tuple<X&, S&...>& s) {
+    constexpr auto elements = std::make_index_sequence<std::tuple_size_v<X>>();
     constexpr auto arrays = std::make_index_sequence<sizeof...(S)>();
     const auto& op = std::get<sizeof...(S)>(s);
     const auto at = [&]<std::size_t I, std::size_t... J>(std::index_sequence<I>,
@@ -132,7 +131,7 @@ struct Algebra {
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       (at(std::index_sequence<I>(), arrays), ...);
     }
-    (places);
+    (elements);
   }
 };
 

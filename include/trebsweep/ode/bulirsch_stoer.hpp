@@ -8,8 +8,8 @@
 
 namespace trebsweep {
 
-/// Extrapolation of midpoint rules by Bulirsch and Stoer, of a variable order up to 16, which finds
-/// its steps itself.
+/// Odeint's Bulirsch-Stoer extrapolation of the modified midpoint method, of variable order up to
+/// 16, with its own control of order and step size.
 template <class T, Effects E = Effects{}>
 class BulirschStoer {
  public:
@@ -18,25 +18,26 @@ class BulirschStoer {
   explicit BulirschStoer(const Solver& solver)
       : tolerance_(solver.tolerance), stepper_(tolerance_, tolerance_) {}
 
-  int order() const { return 8; }  // of the first step
+  int order() const { return 8; }  // for the choice of the first step
   std::uint64_t evaluations() const { return evaluations_; }
 
-  /// The trial of try_step().
+  /// See try_step().
   Trial<T> try_step(const Motion<T, E>& motion, const Instant<T, E>& from, T h, Instant<T, E>& to) {
-    if (from.t == T(0)) stepper_.reset();  // what it has learned is of another swing
+    if (from.t == T(0)) stepper_.reset();  // discards the order and step size of the last swing
     State<T, E> x = from.x;
     T t = 0, next = h;
     const bool good =
         stepper_.try_step(rates(motion), from.x, from.dxdt, t, x, next) == odeint::success;
     to = instant(motion, from.t + h, x);
-    // Odeint lets NaN pass.
+    // Odeint's error check would accept NaN.
     T sum = next;
     for (std::size_t i = 0; i < coordinates<E>; ++i) sum += to.x[i] + to.dxdt[i];
     if (!is_finite_sum(sum)) return {false, h / 5};
     return {good, next};
   }
 
-  /// The step of advance(): as many of its own as it takes; NaN where they do not get there.
+  /// See advance(). Takes as many steps of its own as necessary; the state is NaN if 1000 do not
+  /// suffice.
   void step(const Motion<T, E>& motion, const Instant<T, E>& from, const T& h, Instant<T, E>& to) {
     constexpr int most = 1000;
     Base stepper(tolerance_, tolerance_);

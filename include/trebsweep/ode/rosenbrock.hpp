@@ -8,8 +8,8 @@
 
 namespace trebsweep {
 
-/// Rosenbrock's method of order 4, for stiff scenes: implicit, with a matrix of derivatives for
-/// every step.
+/// Odeint's Rosenbrock method of order 4, for stiff scenes: linearly implicit, with the Jacobian
+/// evaluated in every step.
 template <class T, Effects E = Effects{}>
 class Rosenbrock4 {
   static_assert(std::is_same_v<T, double>);
@@ -20,10 +20,10 @@ class Rosenbrock4 {
   int order() const { return RosenbrockStep::order(); }
   int error_order() const { return RosenbrockStep::error_order(); }
 
-  /// Right-hand sides so far, the matrices' not counted.
+  /// Evaluations of the right-hand side so far, without those for Jacobians.
   std::uint64_t evaluations() const { return evaluations_; }
 
-  /// The step of advance().
+  /// See advance().
   void step(const Motion<T, E>& motion, const Instant<T, E>& from, T h, Instant<T, E>& to,
             State<T, E>& error) {
     if (h == 0) {  // the method divides by it

@@ -5,8 +5,8 @@
 
 namespace trebsweep {
 
-/// A step of Odeint's rosenbrock4 behind plain arrays, of n numbers each: Odeint keeps them in
-/// uBLAS, which is no C++20 in Boost 1.74, so that its file is compiled as C++17.
+/// A step of Odeint's rosenbrock4, with plain arrays of n numbers in its interface. Odeint uses
+/// uBLAS, which Boost 1.74 does not support in C++20, so that the source is compiled as C++17.
 class RosenbrockStep {
  public:
   using Rates = std::function<void(const double* x, double* dxdt)>;
@@ -18,7 +18,8 @@ class RosenbrockStep {
   static int order();
   static int error_order();
 
-  /// A step of length h from x, for equations without time: its end, and an estimate of its error.
+  /// Takes a step of length h from x for an autonomous system: sets the state at its end and the
+  /// estimate of the local error.
   void step(const Rates& rates, const Derivatives& derivatives, const double* x, double h,
             double* end, double* error);
 

@@ -9,25 +9,27 @@
 
 namespace trebsweep {
 
-/// What ends a swing with a shot.
+/// The rule of release: the event that ends a swing.
 enum class Release {
-  crossing,  ///< phi1 = pi for the first time, met exactly
-  window     ///< the paper's rule: the first step with |pi - phi1| < release_window
+  crossing,  ///< phi1 = pi for the first time, located by root finding
+  window     ///< the paper's rule: the end of the first step with |pi - phi1| < release_window
 };
 
 /// In the order of Release.
 inline constexpr std::array<std::string_view, 2> release_names{"crossing", "window"};
 
-/// How swings are integrated. The defaults keep the speeds of the paper's lattice within 1e-7 m/s.
+/// How swings are integrated. With the defaults, the speeds of the paper's lattice are accurate to
+/// 1e-7 m/s.
 struct Solver {
   std::string stepper = "fehlberg78";  ///< one of stepper_names
-  double time_step = 0.01;             ///< s: a fixed stepper's step; the paper's
-  double tolerance = 1e-9;             ///< absolute and relative error allowed in an adaptive step
-  double target_error = 0;             ///< m/s: of speeds, to choose the tolerance by; 0: not given
+  double time_step = 0.01;             ///< s: step length of a fixed-step method; the paper's value
+  double tolerance = 1e-9;             ///< absolute and relative, for the local error of a step
+  double target_error = 0;             ///< m/s: desired error of the speeds, from which the
+                                       ///< tolerance is chosen; 0: not given
   Release release = Release::crossing;
-  double release_window = 0.05;       ///< rad; the paper's
-  double max_time = 10;               ///< s: a swing not released by then counts as not_released
-  std::uint64_t max_steps = 1000000;  ///< steps tried per swing, rejected ones included
+  double release_window = 0.05;       ///< rad; the paper's value
+  double max_time = 10;               ///< s: a swing without a release by then is not_released
+  std::uint64_t max_steps = 1000000;  ///< per swing, accepted and rejected
 };
 
 /// The step (s) of a solver with a fixed stepper, else its tolerance.

@@ -7,21 +7,21 @@
 
 namespace trebsweep {
 
-/// Whether a sum of finite numbers, none near the largest, has only such terms.
+/// Whether all terms of a sum were finite; finite terms must not be large enough to overflow.
 template <class T>
 auto is_finite_sum(const T& sum) {
   return T(sum - sum) <= T(0);  // NaN for infinity and NaN
 }
 
-/// A step's error beside what the tolerance allows, in the measure of Odeint's
-/// default_error_checker; the step is good where error <= allowed.
+/// The error of a step and the error that the tolerance allows, by the norm of Odeint's
+/// default_error_checker. A step is accepted if error <= allowed.
 template <class T>
 struct ErrorRatio {
   T error, allowed;
 };
 
-/// The largest error of a step in units of the allowed one. Where the step's end or error is not
-/// finite, NaN, so that the step is not good; Odeint's own test lets NaN pass.
+/// The largest ratio of error to allowed error over all coordinates. NaN if the state, its rate or
+/// the error is not finite, so that the step is rejected; Odeint's own check would accept NaN.
 template <class T, Effects E>
 [[gnu::always_inline]] inline ErrorRatio<T> error_ratio(const Instant<T, E>& from,
                                                         const Instant<T, E>& to,
@@ -33,7 +33,7 @@ template <class T, Effects E>
   const auto ratio = [&](std::size_t i) {
     return ErrorRatio<T>{abs(error[i]), h * abs(from.dxdt[i]) + T(T(1) + abs(from.x[i]))};
   };
-  // The larger of two ratios over a common denominator: a division is the dearest operation.
+  // Compares over a common denominator, because a division is the most expensive operation.
   const auto larger = [](const ErrorRatio<T>& a, const ErrorRatio<T>& b) {
     const T p = a.error * b.allowed, q = b.error * a.allowed;
     return ErrorRatio<T>{select(p < q, q, p), a.allowed * b.allowed};
@@ -46,25 +46,28 @@ template <class T, Effects E>
   return {select(is_finite_sum(sum), largest.error, nan), T(tolerance) * largest.allowed};
 }
 
-/// By how much to change the step after an ErrorRatio: the usual law (Hairer, Norsett and Wanner,
-/// Solving Ordinary Differential Equations I, II.4), between a fifth and five times.
+/// The factor for the next step length: safety factor times (allowed / error)^(1 / (q + 1)), q the
+/// order of the error estimate, limited to [1/5, 5] (Hairer, Norsett and Wanner, Solving Ordinary
+/// Differential Equations I, II.4). The safety factors 0.9 and 0.8 are among those
+/// recommended there.
 template <class T>
 [[gnu::always_inline]] inline T step_factor(const ErrorRatio<T>& ratio, int error_order) {
   const T factor = T(error_order < 6 ? 0.9 : 0.8) *
                    rough_power(ratio.error, ratio.allowed, -1.0 / (error_order + 1));
   const T low = 0.2, high = 5;
-  // Written so that NaN, of a step that was not finite, makes the next one short.
+  // NaN, after a step that was not finite, gives the lower limit.
   return select(factor > low, select(factor < high, factor, high), low);
 }
 
-/// A step that was tried: whether it is good, lane by lane, and the length of the next one.
+/// The outcome of a step, per lane: whether it is accepted, and the length of the next step.
 template <class T>
 struct Trial {
-  decltype(T() <= T()) good;
+  decltype(T() <= T()) accepted;
   T next;
 };
 
-/// Tries a step of length h from `from` to `to`, and finds the next one's length.
+/// Takes a step of length h from `from` to `to`, decides whether it is accepted, and chooses the
+/// length of the next step.
 template <class Stepper, class T, Effects E>
 [[gnu::always_inline]] inline Trial<T> try_step(Stepper& stepper, const Motion<T, E>& motion,
                                                 const Instant<T, E>& from,

@@ -19,34 +19,34 @@
 #include <string_view>
 #include <type_traits>
 
-#include "trebsweep/model/motion.hpp"
 #include "trebsweep/ode/algebra.hpp"
+#include "trebsweep/ode/instant.hpp"
 #include "trebsweep/ode/solver.hpp"
 
 namespace trebsweep {
 
 namespace odeint = boost::numeric::odeint;
 
-/// A stepper with a step of its own for each lane.
+/// A fixed-step stepper: every lane has its own time and step length.
 template <template <class, class, class, class, class, class, class> class Stepper, class T,
           Effects E>
 using FixedStepper = Stepper<State<T, E>, T, State<T, E>, T, odeint::array_algebra,
                              odeint::default_operations, odeint::never_resizer>;
 
-/// A state and its directions: the state of an adaptive stepper. Within a step, sines and cosines
-/// are integrated beside the angles, which costs less than to compute them in every stage.
+/// The state of an adaptive stepper: a state and the sines and cosines of its angles. Within a
+/// step, these are integrated with the angles, which is cheaper than computing them in every stage.
 template <class T, Effects E = Effects{}>
 using ExtendedState = std::array<T, coordinates<E> + 4>;
 
-/// A stepper whose time is the part of the step that has passed: all lanes' steps are one, and the
-/// method's coefficients are single numbers.
+/// An adaptive stepper. Its independent variable is the fraction of the step, so that all lanes
+/// take a step of length one and the coefficients of the method remain scalars.
 template <template <class, class, class, class, class, class, class> class Stepper, class T,
           Effects E>
 using AdaptiveStepper =
     Stepper<ExtendedState<T, E>, typename Lanes<T>::Number, ExtendedState<T, E>,
             typename Lanes<T>::Number, Algebra, Operations, odeint::never_resizer>;
 
-// The steppers for any number type, packs too.
+// The steppers for any number type, packs included.
 template <class T, Effects E = Effects{}>
 using Euler = FixedStepper<odeint::euler, T, E>;
 template <class T, Effects E = Effects{}>
@@ -60,18 +60,18 @@ using Dopri5 = AdaptiveStepper<odeint::runge_kutta_dopri5, T, E>;
 template <class T, Effects E = Effects{}>
 using Fehlberg78 = AdaptiveStepper<odeint::runge_kutta_fehlberg78, T, E>;
 
-/// Whether the stepper finds its steps itself.
+/// Whether the stepper controls its step size itself.
 template <class Stepper>
 inline constexpr bool is_own_controller =
     std::is_base_of_v<odeint::controlled_stepper_tag, typename Stepper::stepper_category>;
 
-/// Whether the stepper estimates its error, so that its step can follow a tolerance.
+/// Whether the stepper estimates its error, so that the step size can follow a tolerance.
 template <class Stepper>
 inline constexpr bool is_adaptive =
     std::is_base_of_v<odeint::error_stepper_tag, typename Stepper::stepper_category> ||
     is_own_controller<Stepper>;
 
-/// A stepper for a solver: some need to know its step or its tolerance.
+/// The stepper for a solver; some are constructed with its step or its tolerance.
 template <class Stepper>
 Stepper make_stepper(const Solver& solver) {
   if constexpr (std::is_constructible_v<Stepper, const Solver&>)
@@ -80,35 +80,17 @@ Stepper make_stepper(const Solver& solver) {
     return Stepper();
 }
 
-/// Right-hand sides that a stepper has computed in so many steps tried.
+/// Evaluations of the right-hand side in `steps` steps, accepted and rejected.
 template <class Stepper>
 std::uint64_t evaluations(const Stepper& stepper, std::uint64_t steps) {
   if constexpr (requires { stepper.evaluations(); }) return stepper.evaluations();
   if constexpr (requires { Stepper::stage_count; }) return steps * Stepper::stage_count;
   if constexpr (requires { stepper.steps(); }) return steps * (stepper.steps() + 1u);  // midpoint
-  // Of dopri5's seven stages the last is the next step's first; Euler's method has one.
+  // Euler's method has one stage. The last of dopri5's seven is the first of the next step.
   return steps * (is_adaptive<Stepper> ? 6 : 1);
 }
 
-/// A moment of a swing: its time (s), state, the state's directions and its rate there.
-template <class T, Effects E = Effects{}>
-struct Instant {
-  T t;
-  State<T, E> x;
-  Directions<T> at;
-  State<T, E> dxdt;
-};
-
-/// The instant of a state.
-template <class T, Effects E>
-Instant<T, E> instant(const Motion<T, E>& motion, const std::type_identity_t<T>& t,
-                      const State<T, E>& x) {
-  Instant<T, E> now{t, x, directions(x), {}};
-  motion.rates(now.x, now.at, now.dxdt);
-  return now;
-}
-
-/// The extended state's rate over a step of length h.
+/// The rate of an extended state per fraction of a step of length h.
 template <class T, std::size_t N>
 void extend_rates(const std::array<T, N>& dxdt, std::span<const std::type_identity_t<T>, 4> at,
                   const T& h, std::array<T, N + 4>& rates) {
@@ -119,8 +101,8 @@ void extend_rates(const std::array<T, N>& dxdt, std::span<const std::type_identi
   rates[N + cos2] = T(0) - rates[phi2] * at[sin2];
 }
 
-/// The instant a step of length h after `from`. An adaptive stepper also fills `error`, its
-/// estimate of the step's error; the others leave it alone.
+/// Sets `to` to the instant one step of length h after `from`. An adaptive stepper also sets
+/// `error`, its estimate of the local error; the other steppers do not change it.
 template <class Stepper, class T, Effects E>
 void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& from,
              const std::type_identity_t<T>& h, Instant<T, E>& to, State<T, E>& error) {
@@ -128,7 +110,7 @@ void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& 
   if constexpr (is_adaptive<Stepper>) {
     using Number = typename Lanes<T>::Number;
     constexpr std::size_t n = coordinates<E>;
-    State<T, E> dxdt;  // not `to` itself: the compiler would have to store that in every stage
+    State<T, E> dxdt;  // not to.dxdt, which the compiler would have to store in every stage
     const auto directions_of = [](const ExtendedState<T, E>& y) {
       return std::span(y).template last<4>();
     };
@@ -161,8 +143,8 @@ void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& 
   }
 }
 
-/// The same for packs, with all of Odeint inlined: what it passes from call to call is registers.
-/// With a stepper made on the spot, the compiler knows its coefficients.
+/// The same for packs, with all of Odeint inlined so that values stay in registers. The
+/// coefficients of a local stepper are constants to the compiler.
 template <class Stepper, std::size_t R, Effects E>
 [[gnu::flatten]] inline void advance(Stepper&, const Motion<Pack<R>, E>& motion,
                                      const Instant<Pack<R>, E>& from, const Pack<R>& h,

@@ -46,6 +46,10 @@ inline constexpr std::array<StepperInfo, 9> stepper_info{{
     {StepperId::rosenbrock4, "rosenbrock4", 4, true, false, true},
 }};
 
+static_assert(std::ranges::all_of(stepper_info, [](const StepperInfo& stepper) {
+  return &stepper - stepper_info.data() == static_cast<std::ptrdiff_t>(stepper.id);
+}));
+
 /// Names a job can choose a stepper by, in the order of StepperId.
 inline constexpr auto stepper_names = [] {
   std::array<std::string_view, stepper_info.size()> names;

@@ -1,83 +1,16 @@
 #pragma once
 
-#include <immintrin.h>
-
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
+
+#include "trebsweep/simd/register.hpp"
 
 namespace trebsweep {
 
-// The instruction set is known to the preprocessor alone.
-#if defined(__AVX512F__)
-inline constexpr std::size_t register_lanes = 8;
-#elif defined(__AVX2__)
-inline constexpr std::size_t register_lanes = 4;
-#else
-inline constexpr std::size_t register_lanes = 2;
-#endif
-
-/// One register of doubles, and one of integers of the same size.
-using Register = double __attribute__((vector_size(8 * register_lanes)));
-using Bits = std::int64_t __attribute__((vector_size(8 * register_lanes)));
-
-[[gnu::always_inline]] inline Register broadcast(double x) { return Register{} + x; }
-
-/// a b + c, rounded once where the machine can.
-[[gnu::always_inline]] inline Register fma(Register a, Register b, Register c) {
-#if defined(__AVX512F__)
-  return _mm512_fmadd_pd(a, b, c);
-#elif defined(__FMA__)
-  return _mm256_fmadd_pd(a, b, c);
-#else
-  return a * b + c;
-#endif
-}
-
-[[gnu::always_inline]] inline Register sqrt(Register x) {
-#if defined(__AVX512F__)
-  return _mm512_maskz_sqrt_pd(0xff, x);
-#elif defined(__AVX2__)
-  return _mm256_sqrt_pd(x);
-#else
-  return _mm_sqrt_pd(x);
-#endif
-}
-
-/// a / b, correctly rounded, for finite numbers whose quotient and 1/b are normal.
-[[gnu::always_inline]] inline Register quotient(Register a, Register b) {
-#if defined(__AVX512F__)
-  // The divider takes 16 cycles. Newton's method from 14 bits of 1/b, then Markstein's last step.
-  const Register approximate = _mm512_maskz_rcp14_pd(0xff, b);
-  const Register e = fma(-b, approximate, broadcast(1));
-  const Register better = fma(e, approximate, approximate);
-  const Register inverse = fma(e * e, better, better);
-  const Register q = a * inverse;
-  return fma(fma(-b, q, a), inverse, q);
-#else
-  return a / b;
-#endif
-}
-
-[[gnu::always_inline]] inline Register abs(Register x) {
-  return std::bit_cast<Register>(std::bit_cast<Bits>(x) & INT64_MAX);
-}
-
-/// The sign bits of a register, the first lane's lowest.
-[[gnu::always_inline]] inline std::uint32_t sign_bits(Bits x) {
-#if defined(__AVX512F__)
-  return _mm512_cmplt_epi64_mask(std::bit_cast<__m512i>(x), _mm512_setzero_si512());
-#elif defined(__AVX2__)
-  return static_cast<std::uint32_t>(_mm256_movemask_pd(std::bit_cast<__m256d>(x)));
-#else
-  return static_cast<std::uint32_t>(_mm_movemask_pd(std::bit_cast<__m128d>(x)));
-#endif
-}
-
-/// A truth for every lane of a pack: all bits of a lane set, or none.
+/// A boolean for every lane of a pack: all bits of the lane are set, or none.
 template <std::size_t R>
 struct Mask {
   std::array<Bits, R> v;
@@ -102,11 +35,11 @@ struct Mask {
 template <std::size_t R>
 struct Product;
 
-/// R registers of doubles that stand for one number in each lane: a number type for Motion and the
-/// steppers.
+/// A number type with an independent value in every lane of R registers; Motion and the steppers
+/// are templates over it.
 ///
-/// A product that is added or subtracted becomes one fused multiply-add, always: were that left to
-/// the compiler, results would depend on what it does with packs of one size or another.
+/// A product followed by an addition or a subtraction is always one fused multiply-add. If the
+/// compiler chose, results could depend on the size of the pack.
 template <std::size_t R>
 struct Pack {
   std::array<Register, R> v;
@@ -164,7 +97,7 @@ struct Pack {
   [[gnu::always_inline]] friend Mask<R> operator>=(const Pack& a, const Pack& b) { return b <= a; }
 };
 
-/// a b, not yet rounded; it refers to its factors, and lives no longer than an expression.
+/// An unevaluated product a b. It holds references: use it only within one expression.
 template <std::size_t R>
 struct Product {
   const Pack<R>&a, &b;
@@ -214,8 +147,8 @@ template <std::size_t R>
   return c;
 }
 
-/// a / b for operands that are not known beforehand: the compiler can only compute constants with
-/// the operator.
+/// a / b for operands known only at run time. For constants use the operator, which the compiler
+/// can evaluate.
 template <std::size_t R>
 [[gnu::always_inline]] inline Pack<R> quotient(const Pack<R>& a, const Pack<R>& b) {
   Pack<R> c;
@@ -237,7 +170,7 @@ template <std::size_t R>
   return c;
 }
 
-/// Lane by lane; neighbours that ask for the same angle share the work.
+/// Computed lane by lane; equal arguments in adjacent lanes are computed once.
 template <std::size_t R>
 inline Pack<R> atan2(const Pack<R>& y, const Pack<R>& x) {
   Pack<R> angle;
@@ -248,11 +181,11 @@ inline Pack<R> atan2(const Pack<R>& y, const Pack<R>& x) {
   return angle;
 }
 
-/// (a/b)^e to within two percent, for what is not critical; a / b where both are finite, above zero
-/// and no subnormals.
+/// (a / b)^e with a relative error below 2 %, for step-size control. Both operands must be
+/// positive, finite and normal.
 template <std::size_t R>
 [[gnu::always_inline]] inline Pack<R> rough_power(const Pack<R>& a, const Pack<R>& b, double e) {
-  // A number's bits, read as a whole one, are nearly its logarithm.
+  // The bits of a positive double, read as an integer, are a piecewise linear function of its log2.
   const auto logarithm = [](Register x) {
     const Bits bits = std::bit_cast<Bits>(x);
     const Bits exponent = (bits >> 52) | std::bit_cast<Bits>(broadcast(0x1p52));
@@ -273,7 +206,7 @@ template <std::size_t R>
   return c;
 }
 
-/// The lanes that are true, the first one's bit lowest.
+/// The lanes of a mask as bits; bit i belongs to lane i.
 template <std::size_t R>
 [[gnu::always_inline]] inline std::uint32_t lanes_of(const Mask<R>& m) {
   std::uint32_t bits = 0;
@@ -284,75 +217,6 @@ template <std::size_t R>
 template <std::size_t R>
 [[gnu::always_inline]] inline bool any(const Mask<R>& m) {
   return lanes_of(m) != 0;
-}
-
-// The same for single numbers, so that one text serves both.
-
-template <class T>
-T select(bool m, const T& yes, const T& no) {
-  return m ? yes : no;
-}
-
-template <class T>
-T quotient(const T& a, const T& b) {
-  return a / b;
-}
-
-template <class T>
-T rough_power(const T& a, const T& b, double e) {
-  using std::pow;
-  return pow(T(a / b), T(e));
-}
-
-inline std::uint32_t lanes_of(bool m) { return m ? 1 : 0; }
-inline bool any(bool m) { return m; }
-
-/// What a lane of T holds, and how many lanes there are.
-template <class T>
-struct Lanes {
-  using Number = T;
-  static constexpr std::size_t count = 1;
-};
-
-template <std::size_t R>
-struct Lanes<Pack<R>> {
-  using Number = double;
-  static constexpr std::size_t count = R * register_lanes;
-};
-
-template <class T>
-const T& get_lane(const T& x, std::size_t) {
-  return x;
-}
-
-template <std::size_t R>
-double get_lane(const Pack<R>& x, std::size_t lane) {
-  return x[lane];
-}
-
-template <class T>
-void set_lane(T& x, std::size_t, const std::type_identity_t<T>& value) {
-  x = value;
-}
-
-template <std::size_t R>
-void set_lane(Pack<R>& x, std::size_t lane, double value) {
-  x.set(lane, value);
-}
-
-/// Copies lane j of each number in `from`, a struct made of numbers T alone, to lane i of `to`.
-template <class T, class Struct>
-void copy_lane(Struct& to, std::size_t i, const Struct& from, std::size_t j) {
-  constexpr std::size_t lanes = Lanes<T>::count;
-  if constexpr (lanes == 1) {
-    to = from;
-  } else {
-    static_assert(std::is_trivially_copyable_v<Struct> && sizeof(Struct) % sizeof(T) == 0);
-    auto* out = reinterpret_cast<double*>(&to);
-    const auto* in = reinterpret_cast<const double*>(&from);
-    for (std::size_t n = 0; n < sizeof(Struct) / sizeof(T); ++n)
-      out[n * lanes + i] = in[n * lanes + j];
-  }
 }
 
 }  // namespace trebsweep

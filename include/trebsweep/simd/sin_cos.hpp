@@ -13,7 +13,7 @@ struct SinCos {
   T sin, cos;
 };
 
-/// Sine and cosine of a single number.
+/// Sine and cosine of a scalar.
 template <class T>
 SinCos<T> sin_cos(const T& x) {
   using std::cos;
@@ -23,7 +23,7 @@ SinCos<T> sin_cos(const T& x) {
 
 #if defined(__FMA__)
 
-/// Sines and cosines of the sixteenths of a turn; their roundings happen to be small.
+/// Sines and cosines of n pi/8, rounded to double.
 struct Sixteenths {
   static constexpr double s1 = 0x1.87de2a6aea963p-2;  // sin(pi/8)
   static constexpr double s2 = 0x1.6a09e667f3bcdp-1;  // sin(pi/4)
@@ -34,7 +34,7 @@ struct Sixteenths {
                                                           -1, -s3, -s2, -s1, 0, s1,  s2,  s3};
 };
 
-/// Sine and cosine of n sixteenths of a turn, n in the lowest bits of each lane.
+/// Sine and cosine of n pi/8; n is in the lowest four bits of each lane.
 [[gnu::always_inline]] inline SinCos<Register> sin_cos_of_sixteenths(Bits n) {
 #if defined(__AVX512F__)
   const auto look_up = [&](const std::array<double, 16>& table) {
@@ -43,8 +43,8 @@ struct Sixteenths {
   };
   return {look_up(Sixteenths::sin), look_up(Sixteenths::cos)};
 #else
-  // Half a turn, in tables of 32-bit words (a gather is many times slower); the other half has the
-  // opposite sign.
+  // Tables of 32-bit words for n < 8, because a gather is many times slower; n >= 8 changes the
+  // sign.
   constexpr auto words = [](const std::array<double, 16>& table, int shift) {
     std::array<std::uint32_t, 8> half{};
     for (std::size_t i = 0; i < 8; ++i)
@@ -68,14 +68,15 @@ struct Sixteenths {
 #endif
 }
 
-/// Sine and cosine of a register, to within 2 ULP for |x| <= 1e5; of larger ones, numbers that lose
-/// accuracy as |x| grows; NaN of what is not finite.
+/// Sine and cosine of a register: within 2 ULP for |x| <= 1e5, less accurate as |x| grows, NaN if x
+/// is not finite.
 ///
-/// x = n pi/8 + r, with pi/8 in two parts (Cody and Waite). The polynomials of r, minimax within
-/// pi/16, are short, and the sum formulas with a table of n take no account of quadrants.
+/// Argument reduction x = n pi/8 + r with pi/8 in two parts (Cody and Waite), polynomials in r, and
+/// the angle-sum formulas with a table over n. The polynomials are minimax approximations for
+/// |r| <= pi/16; pack_test measures their error in quad precision.
 [[gnu::always_inline]] inline SinCos<Register> sin_cos(Register x) {
   const auto c = [](double value) { return broadcast(value); };
-  // Adding 1.5 2^52 rounds to a whole number, which then stands in the lowest bits.
+  // Adding 1.5 2^52 rounds to an integer, which is then in the lowest bits.
   const Register shift = c(0x1.8p52);
   const Register shifted = fma(x, c(0x1.45f306dc9c883p+1), shift);
   const Register n = shifted - shift;
@@ -97,8 +98,8 @@ struct Sixteenths {
 
 #else
 
-/// Sine and cosine of a register, lane by lane: without a fused multiply-add, the C library's are
-/// as fast.
+/// Sine and cosine of a register, lane by lane: without a fused multiply-add, the C library is as
+/// fast.
 [[gnu::always_inline]] inline SinCos<Register> sin_cos(Register x) {
   SinCos<Register> a;
   for (std::size_t lane = 0; lane < register_lanes; ++lane) {

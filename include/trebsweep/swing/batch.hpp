@@ -21,7 +21,7 @@ struct SwingResult {
 struct Batch {
   std::span<const Design<double>> designs;
   std::span<SwingResult> results;      ///< results[n] belongs to designs[n]
-  std::span<const Field> fields = {};  ///< fields to compute in addition to SwingResult's
+  std::span<const Field> fields = {};  ///< fields to compute, none of SwingResult's
   std::span<double> values = {};       ///< values[n * fields.size() + f] is fields[f] of designs[n]
 
   Batch slice(std::size_t first, std::size_t count) const {

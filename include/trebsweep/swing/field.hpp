@@ -1,12 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string_view>
 
 namespace trebsweep {
 
-/// A quantity that a sweep can map over the lattice. Each is computed only where it is asked for.
+/// The quantities that a sweep can map over the lattice. Each is computed only if requested.
 enum class Field {
   speed,
   release_time,
@@ -29,63 +30,79 @@ enum class Field {
   peak_beam_stress
 };
 
-/// How a field is called and described.
+/// How a field is computed.
+enum class FieldKind {
+  result,      ///< part of every SwingResult
+  at_release,  ///< from the state at the release
+  load,        ///< from the loads along the whole swing
+  separate     ///< by an additional integration
+};
+
+/// Name and description of a field.
 struct FieldInfo {
-  std::string_view name;     ///< in job files; datasets have `_` for `-`
-  std::string_view units;    ///< UDUNITS; empty for flags
+  Field field;
+  std::string_view name;   ///< in job files; datasets have `_` for `-`
+  std::string_view units;  ///< UDUNITS; empty for flags
+  FieldKind kind;
   std::string_view meaning;  ///< CF long_name
 };
 
 /// In the order of Field.
-inline constexpr std::array<FieldInfo, 19> field_info{{
-    {"speed", "m s-1", "speed of the projectile at release"},
-    {"release-time", "s", "time from the start to the release"},
-    {"status", "", "what became of the design"},
-    {"sling-angle", "rad", "angle of the sling from the downward vertical at release"},
-    {"arm-rate", "rad s-1", "rate of the arm's angle at release"},
-    {"sling-rate", "rad s-1", "rate of the sling's angle at release"},
-    {"kinetic-energy", "J", "kinetic energy of the projectile at release"},
-    {"efficiency", "1", "projectile's kinetic energy over the potential energy given up"},
-    {"range", "m",
-     "horizontal distance from the point of release to the point of impact of a free flight in "
-     "vacuum, positive in the direction in which the arm's tip moves at phi1 = pi"},
-    {"energy-drift", "1",
-     "energy and losses at release less energy at the start, over that given up"},
-    {"steps", "1", "steps tried"},
-    {"speed-error", "m s-1", "speed at release less that of fehlberg78 at a tolerance of 1e-12"},
-    {"stiffness", "s-1", "largest modulus of the Jacobian's eigenvalues along the swing"},
-    {"decay-rate", "s-1", "largest decay rate among the Jacobian's eigenvalues along the swing"},
-    {"slack", "", "whether the sling would go slack before the release"},
-    {"least-sling-tension", "N", "least pull of the sling on the projectile"},
-    {"peak-sling-tension", "N", "largest pull of the sling on the arm"},
-    {"peak-axle-load", "N", "largest force on the axle"},
-    {"peak-beam-stress", "Pa", "largest bending stress of the beam at the fulcrum"},
-}};
+inline constexpr auto field_info = std::to_array<FieldInfo>({
+    {Field::speed, "speed", "m s-1", FieldKind::result, "speed of the projectile at release"},
+    {Field::release_time, "release-time", "s", FieldKind::result,
+     "time from the start to the release"},
+    {Field::status, "status", "", FieldKind::result, "outcome of the design"},
+    {Field::sling_angle, "sling-angle", "rad", FieldKind::at_release,
+     "angle of the sling from the downward vertical at release"},
+    {Field::arm_rate, "arm-rate", "rad s-1", FieldKind::at_release,
+     "rate of the arm's angle at release"},
+    {Field::sling_rate, "sling-rate", "rad s-1", FieldKind::at_release,
+     "rate of the sling's angle at release"},
+    {Field::kinetic_energy, "kinetic-energy", "J", FieldKind::at_release,
+     "kinetic energy of the projectile at release"},
+    {Field::efficiency, "efficiency", "1", FieldKind::at_release,
+     "kinetic energy of the projectile at release over the potential energy released"},
+    {Field::range, "range", "m", FieldKind::at_release,
+     "horizontal distance from the release to the impact of a flight without drag, positive in the "
+     "direction of the velocity of the arm's tip at phi1 = pi"},
+    {Field::energy_drift, "energy-drift", "1", FieldKind::at_release,
+     "energy at release plus losses minus initial energy, over the potential energy released"},
+    {Field::steps, "steps", "1", FieldKind::result, "steps, accepted and rejected"},
+    {Field::speed_error, "speed-error", "m s-1", FieldKind::separate,
+     "speed at release minus that of fehlberg78 at a tolerance of 1e-12"},
+    {Field::stiffness, "stiffness", "s-1", FieldKind::separate,
+     "largest modulus of the eigenvalues of the Jacobian along the swing"},
+    {Field::decay_rate, "decay-rate", "s-1", FieldKind::separate,
+     "largest decay rate of the eigenvalues of the Jacobian along the swing"},
+    {Field::slack, "slack", "", FieldKind::load,
+     "whether the sling would go slack before the release"},
+    {Field::least_sling_tension, "least-sling-tension", "N", FieldKind::load,
+     "smallest tension of the sling at the projectile"},
+    {Field::peak_sling_tension, "peak-sling-tension", "N", FieldKind::load,
+     "largest tension of the sling at the arm"},
+    {Field::peak_axle_load, "peak-axle-load", "N", FieldKind::load, "largest force on the axle"},
+    {Field::peak_beam_stress, "peak-beam-stress", "Pa", FieldKind::load,
+     "largest bending stress of the beam at the fulcrum"},
+});
+static_assert(std::ranges::all_of(field_info, [](const FieldInfo& info) {
+  return &info - field_info.data() == static_cast<std::ptrdiff_t>(info.field);
+}));
 
 inline constexpr const FieldInfo& info(Field field) {
   return field_info[static_cast<std::size_t>(field)];
 }
 
-/// Whether the field has flags for values, and not numbers.
+/// Whether the values of a field are flags.
 inline constexpr bool is_flag(Field field) {
   return field == Field::status || field == Field::slack;
 }
 
-/// Names of the field slack's flags: of designs without a shot, and then of 1 and 2.
+/// Names of the flags 0 (no release), 1 and 2 of the field slack.
 inline constexpr std::array<std::string_view, 3> slack_names{"no_shot", "taut", "slack"};
 
-/// Whether every SwingResult has it.
-inline constexpr bool is_basic(Field field) {
-  return field == Field::speed || field == Field::release_time || field == Field::status ||
-         field == Field::steps;
-}
-
-/// Whether the field takes an integration of its own, beside the swing's.
-inline constexpr bool is_separate(Field field) {
-  return field == Field::speed_error || field == Field::stiffness || field == Field::decay_rate;
-}
-
-/// Whether the field looks at the loads all along the swing.
-inline constexpr bool is_load(Field field) { return field >= Field::slack; }
+inline constexpr bool is_basic(Field field) { return info(field).kind == FieldKind::result; }
+inline constexpr bool is_separate(Field field) { return info(field).kind == FieldKind::separate; }
+inline constexpr bool is_load(Field field) { return info(field).kind == FieldKind::load; }
 
 }  // namespace trebsweep

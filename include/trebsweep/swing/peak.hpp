@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "trebsweep/simd/pack.hpp"
+#include "trebsweep/simd/lanes.hpp"
 
 namespace trebsweep {
 
@@ -12,39 +12,39 @@ T larger(const T& a, const T& b) {
   return select(a < b, b, a);
 }
 
-/// The largest value, between the first and the last of some places in rising order, of the
-/// polynomial that has the given values there: the top nearest to the largest of these, by Newton's
-/// method, if it is larger.
+/// The maximum of the interpolating polynomial through (nodes[i], values[i]) near the largest
+/// value, located by Newton's method; the largest value itself where the polynomial is not larger.
+/// `nodes` are in ascending order.
 template <class T, std::size_t N>
-T peak(const std::array<double, N>& places, const std::array<T, N>& values) {
-  T largest = values[0], top = places[0];
+T peak(const std::array<double, N>& nodes, const std::array<T, N>& values) {
+  T largest = values[0], top = nodes[0];
   for (std::size_t i = 1; i < N; ++i) {
     const auto is_larger = values[i] > largest;
     largest = select(is_larger, values[i], largest);
-    top = select(is_larger, T(places[i]), top);
+    top = select(is_larger, T(nodes[i]), top);
   }
   std::array<T, N> c = values;  // Newton's divided differences
   for (std::size_t k = 1; k < N; ++k)
     for (std::size_t i = N - 1; i >= k; --i)
-      c[i] = T(c[i] - c[i - 1]) * T(1 / (places[i] - places[i - k]));
+      c[i] = T(c[i] - c[i - 1]) * T(1 / (nodes[i] - nodes[i - k]));
   T value, slope, half_bend;
   const auto evaluate = [&] {
     value = c[N - 1];
     slope = half_bend = T(0);
     for (std::size_t i = N - 1; i-- > 0;) {
-      const T way = top - T(places[i]);
+      const T way = top - T(nodes[i]);
       half_bend = way * half_bend + slope;
       slope = way * slope + value;
       value = way * value + c[i];
     }
   };
-  for (int i = 0; i < 2; ++i) {  // from the next place, that is enough
+  for (int i = 0; i < 2; ++i) {  // two iterations suffice from the nearest node
     evaluate();
     const T bend = half_bend + half_bend;
     top = top - quotient(slope, select(bend < T(0), bend, T(-1e300)));
   }
   evaluate();
-  const auto inside = (top > T(places[0])) & (top < T(places[N - 1]));
+  const auto inside = (top > T(nodes[0])) & (top < T(nodes[N - 1]));
   return select(inside & (value > largest), value, largest);
 }
 

@@ -9,19 +9,19 @@
 
 namespace trebsweep {
 
-/// A design's swing as well as it can be known.
+/// A swing computed in quadruple precision.
 struct Reference {
   Status status;
   double speed;                      ///< m/s, NaN without a release
   long double release_time;          ///< s, NaN without a release
   std::array<long double, 6> state;  ///< at the end; the first four of a rigid sling
-  double speed_bound;                ///< m/s: how far the speed can be off
-  double time_bound;                 ///< s: how far the release time can be off
+  double speed_bound;                ///< m/s: bound of the error of `speed`
+  double time_bound;                 ///< s: bound of the error of `release_time`
 };
 
-/// The swing in quadruple precision by fehlberg78, at two tolerances; their difference bounds the
-/// error of the tighter one, which is the result. NaN where they disagree on the status. Of the
-/// solver, its limits count.
+/// Integrates in quadruple precision by fehlberg78 with two tolerances. The result is that of the
+/// tighter one; the difference bounds its error. The bounds are NaN where the statuses differ. Only
+/// max_time and max_steps of `solver` are used.
 Reference reference(const Scene& scene, const Design<double>& design, const Solver& solver);
 
 }  // namespace trebsweep

@@ -8,17 +8,17 @@
 
 namespace trebsweep {
 
-/// Eigenvalues (1/s) of the equations' Jacobian at the end of a step of a swing, and that step.
+/// The eigenvalues (1/s) of the Jacobian at the end of a step of a swing, and the step length.
 struct Spectrum {
   double h;  ///< s
   std::vector<std::complex<double>> eigenvalues;
 };
 
-/// The spectra along a swing to its release or its end. Of the solver, its limits count: the swing
-/// is that of rosenbrock4, whose steps no stiffness shortens.
+/// The spectra along a swing, integrated by rosenbrock4, whose steps stiffness does not limit. Only
+/// max_time and max_steps of `solver` are used.
 std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, Solver solver);
 
-/// How stiff a swing is.
+/// Stiffness of a swing.
 struct Stiffness {
   double modulus = 0;  ///< 1/s: the largest modulus of an eigenvalue
   double decay = 0;    ///< 1/s: the largest negative real part; 0 where nothing decays

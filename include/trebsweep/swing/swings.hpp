@@ -2,54 +2,29 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <utility>
 
-#include "trebsweep/ode/event.hpp"
-#include "trebsweep/ode/solver.hpp"
-#include "trebsweep/ode/step_size.hpp"
-#include "trebsweep/swing/batch.hpp"
-#include "trebsweep/swing/load_record.hpp"
-#include "trebsweep/swing/status.hpp"
+#include "trebsweep/swing/release_queue.hpp"
+#include "trebsweep/swing/start_queue.hpp"
 
 namespace trebsweep {
 
-/// How a swing ended.
-template <class Number, Effects E = Effects{}>
-struct Outcome {
-  Status status;
-  Number t;             ///< s: the release, or the last moment reached
-  State<Number, E> x;   ///< the state there
-  Number speed;         ///< m/s; of a release only
-  std::uint64_t steps;  ///< steps tried
-};
-
-/// An observer that looks at nothing.
+/// An observer that does nothing.
 struct NullObserver {
   template <class Instant>
   void operator()(const Instant&, const Instant&) const {}
 };
 
-/// The paper's rule: whether phi1 lies inside the window around pi.
-template <class Number>
-bool is_inside_window(const Number& angle, const Number& window) {
-  using std::abs;
-  return abs(Number(boost::math::constants::pi<Number>() - angle)) < window;
-}
-
-/// Integrates designs from rest to their release, or to the reason why there is none: as many at a
-/// time as T has lanes, each with a time and a step of its own. A lane whose swing has ended takes
-/// the next design.
+/// Integrates designs from rest to the event that ends their swing: one design per lane of T, each
+/// with its own time and step length. When a swing ends, its lane starts the next design.
 ///
-/// `fields` are those that SwingResult does not have; values[n fields.size() + i] becomes field i
-/// of design n, if that has a release.
-///
-/// next(design) sets the next design, or returns false if there is none. done(number, outcome)
-/// takes the outcomes, in any order; designs are numbered as they came. observe(from, to) sees
-/// every accepted step, the last one cut at the release; it needs a T of one lane.
+/// next(design) sets the next design, or returns false after the last one. done(index, outcome)
+/// receives the outcomes in any order; designs are numbered in the order of next(). If design n has
+/// a release, values[n * fields.size() + i] is set to fields[i], none of which may be in
+/// SwingResult. observe(from, to) is called after every accepted step, the last one ending at the
+/// release; it requires a T with one lane.
 template <class Stepper, class T, Effects E, class Next, class Done, class Observe = NullObserver>
 class Swings {
  public:
@@ -57,18 +32,19 @@ class Swings {
          std::span<double> values, Next next, Done done, Observe observe = {})
       : scene_(scene),
         solver_(solver),
-        fields_(fields),
-        values_(values),
+        request_(fields, scene),
         next_(next),
         done_(done),
-        observe_(observe) {}
+        observe_(observe),
+        starts_(scene, solver),
+        releases_(scene, solver, fields, values) {}
 
-  /// Integrates all designs. Returns how many steps lanes have made, idle lanes included.
+  /// Integrates all designs. Returns the number of steps of all lanes, idle lanes included.
   std::uint64_t run() {
     for (std::size_t lane = 0; lane < lanes; ++lane) refill(lane);
     while (active_ != 0) step();
-    land();
-    return tried_ * lanes;
+    locate_releases();
+    return steps_taken_ * lanes;
   }
 
   const Stepper& stepper() const { return stepper_; }
@@ -76,75 +52,59 @@ class Swings {
  private:
   using Number = typename Lanes<T>::Number;
   using Instant = trebsweep::Instant<T, E>;
-  using Set = std::uint32_t;  // of lanes, a bit for each
   static constexpr std::size_t lanes = Lanes<T>::count;
   static constexpr bool adaptive = is_adaptive<Stepper>;
   static_assert(lanes == 1 || std::is_same_v<Observe, NullObserver>);
 
-  /// A swing under way: one in every lane.
-  struct Flight {
-    Design<T> design;
-    Motion<T, E> motion;
-    T h;  // the next step's length; fixed steppers have the same for all
-  };
-
-  /// A swing whose last step has met the release.
-  struct SwingResult {
-    Design<T> design;
-    Motion<T, E> motion;
-    Instant from, to;
-    LoadRecord<T> record;
-  };
-
-  /// Who is in a lane.
-  struct Label {
-    std::uint64_t number;
-    std::uint64_t steps;  // of a flight: tried by all when it began; of a shot: tried by it
+  /// The design in a lane.
+  struct LaneOwner {
+    std::uint64_t index;
+    std::uint64_t first_step;  // steps_taken_ when its swing began
   };
 
   void step() {
-    Instant& from = now_[tried_ % 2];
-    Instant& to = now_[++tried_ % 2];
-    Set ended;
+    Instant& from = now_[steps_taken_ % 2];
+    Instant& to = now_[++steps_taken_ % 2];
+    LaneMask ended;
     if constexpr (adaptive)
-      ended = step_by_error(from, to);
+      ended = adaptive_step(from, to);
     else
-      ended = step_on(from, to);
-    for (; ended != 0; ended &= ended - 1) refill(first_of(ended));
+      ended = fixed_step(from, to);
+    for (; ended != 0; ended &= ended - 1) refill(first_lane(ended));
   }
 
-  /// A step of a fixed stepper; returns the lanes that have ended their swing.
-  Set step_on(Instant& from, Instant& to) {
-    State<T, E> none;
-    advance(stepper_, flight_.motion, from, flight_.h, to, none);
-    // Not below the angle: NaN is seen too.
-    Set special = lanes_of(!(to.x[phi1] < watched_angle_));
+  /// A step of a fixed-step method. Returns the lanes whose swing has ended.
+  LaneMask fixed_step(Instant& from, Instant& to) {
+    State<T, E> no_error_estimate;
+    advance(stepper_, lanes_.motion, from, lanes_.h, to, no_error_estimate);
+    // Negated so that NaN is an event as well.
+    LaneMask events = lanes_of(!(to.x[phi1] < event_angle_));
     if (solver_.release == Release::crossing)
-      special |= lanes_of((from.x[w1] > T(0)) & (to.x[w1] < T(0)));
-    if constexpr (E.pivot) special |= lanes_of(from.x[w1] * to.x[w1] < T(0));
-    const Set ended = attend(special, ~Set{0}, from, to);
+      events |= lanes_of((from.x[w1] > T(0)) & (to.x[w1] < T(0)));
+    if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
+    const LaneMask ended = check_events(events, ~LaneMask{0}, from, to);
     if constexpr (lanes == 1) {
       if (ended == 0) observe_(at_step(from, 1), at_step(to, 0));
     }
-    if (recording_) record(from, to, flight_.h);
+    if (request_.any()) record(from, to, lanes_.h);
     return ended;
   }
 
-  /// A step of an adaptive stepper, and the next one's length; a lane whose error is too large
-  /// stays where it was. Returns the lanes that have ended their swing.
-  Set step_by_error(Instant& from, Instant& to) {
-    const T left = max_time_ - from.t;
-    const auto last = left <= flight_.h;
-    const T h = select(last, left, flight_.h);
-    const auto [good, next] = try_step(stepper_, flight_.motion, from, h, to, solver_.tolerance);
+  /// A step of an adaptive method, which also chooses the next step length. Where the step is
+  /// rejected, `to` becomes a copy of `from`. Returns the lanes whose swing has ended.
+  LaneMask adaptive_step(Instant& from, Instant& to) {
+    const T remaining = max_time_ - from.t;
+    const auto last = remaining <= lanes_.h;
+    const T h = select(last, remaining, lanes_.h);
+    const auto [good, next] = try_step(stepper_, lanes_.motion, from, h, to, solver_.tolerance);
     to.t = select(last, max_time_, to.t);
-    flight_.h = next;
+    lanes_.h = next;
     auto turned = (from.x[w1] > T(0)) & (to.x[w1] < T(0));
     if constexpr (E.pivot) turned = turned | ((from.x[w1] < T(0)) & (to.x[w1] > T(0)));
-    const Set special = lanes_of((!(to.x[phi1] < watched_angle_)) | turned | (to.t >= max_time_) |
-                                 (flight_.h < shortest_step_));
-    const Set accepted = lanes_of(good);
-    const Set ended = attend(special, accepted, from, to);
+    const LaneMask events = lanes_of((!(to.x[phi1] < event_angle_)) | turned | (to.t >= max_time_) |
+                                     (lanes_.h < shortest_step_));
+    const LaneMask accepted = lanes_of(good);
+    const LaneMask ended = check_events(events, accepted, from, to);
     if constexpr (lanes == 1) {
       if (good && ended == 0) observe_(from, to);
     }
@@ -156,121 +116,120 @@ class Swings {
       }
       for (std::size_t i = 0; i < 4; ++i) to.at[i] = select(good, to.at[i], from.at[i]);
     }
-    // A step that was refused has become one of no length.
-    if (recording_) record(from, to, T(to.t - from.t));
+    // The recorded step of a rejected lane has zero length.
+    if (request_.any()) record(from, to, T(to.t - from.t));
     return ended;
   }
 
-  /// Continues all records over a step. Those of swings that have ended are begun anew, or wait
-  /// with their shots already.
+  /// Extends the records of all lanes by a step; refill() resets those of swings that have ended.
   [[gnu::noinline]] void record(const Instant& from, const Instant& to, const T& h) {
-    record_ = extended(record_, flight_.design, flight_.motion, from, to, h);
+    const Mechanism<T, E> mechanism(scene_, lanes_.design);
+    record_ = record_step(record_, request_, stepper_, solver_.tolerance, lanes_.motion, mechanism,
+                          from, to, h);
   }
 
-  /// A record continued over a step by what the fields need.
-  LoadRecord<T> extended(LoadRecord<T> record, const Design<T>& design, const Motion<T, E>& motion,
-                         const Instant& from, const Instant& to, const T& h) {
-    const Mechanism<T, E> mechanism(scene_, design);
-    if (losing_) record.loss += h * lost_power(stepper_, motion, mechanism, from, to, h);
-    if (watched_.any())
-      record = watch(record, watched_, stepper_, solver_.tolerance, motion, mechanism, from, to, h);
-    return record;
-  }
-
-  static std::size_t first_of(Set set) { return static_cast<std::size_t>(std::countr_zero(set)); }
-
-  /// The lanes of `special`, and those whose steps are used up, that have ended their swing.
-  Set attend(Set special, Set accepted, Instant& from, Instant& to) {
-    if (tried_ >= next_check_) special |= overdue();
-    special &= active_;
-    if (special == 0) [[likely]]
+  /// Handles possible events, and lanes that have used up their steps. Returns the lanes whose
+  /// swing has ended.
+  LaneMask check_events(LaneMask events, LaneMask accepted, Instant& from, Instant& to) {
+    if (steps_taken_ >= next_step_check_) events |= lanes_at_step_limit();
+    events &= active_;
+    if (events == 0) [[likely]]
       return 0;
-    return settle(special, accepted, from, to);
+    return handle_events(events, accepted, from, to);
   }
 
-  /// The lanes whose steps are used up.
-  Set overdue() {
-    Set set = 0;
-    next_check_ = std::numeric_limits<std::uint64_t>::max();
-    for (Set left = active_; left != 0; left &= left - 1) {
-      const std::size_t lane = first_of(left);
+  /// The lanes that have used up their steps. Sets the step at which to check again.
+  LaneMask lanes_at_step_limit() {
+    LaneMask mask = 0;
+    next_step_check_ = std::numeric_limits<std::uint64_t>::max();
+    for (LaneMask left = active_; left != 0; left &= left - 1) {
+      const std::size_t lane = first_lane(left);
       if (steps(lane) >= step_limit_)
-        set |= Set{1} << lane;
+        mask |= LaneMask{1} << lane;
       else
-        next_check_ = std::min(next_check_, label_[lane].steps + step_limit_);
+        next_step_check_ = std::min(next_step_check_, owner_[lane].first_step + step_limit_);
     }
-    return set;
+    return mask;
   }
 
-  std::uint64_t steps(std::size_t lane) const { return tried_ - label_[lane].steps; }
+  /// The steps of the swing in a lane so far.
+  std::uint64_t steps(std::size_t lane) const { return steps_taken_ - owner_[lane].first_step; }
 
-  /// The lanes of `special` that have ended their swing; their outcomes are on their way.
-  [[gnu::noinline]] Set settle(Set special, Set accepted, Instant& from, Instant& to) {
-    if constexpr (!adaptive) set_times(special, from, to);
-    Set ended = 0;
-    [[maybe_unused]] const Set turning = special & accepted;
-    if (solver_.release == Release::crossing) look_for_turns(special & accepted, from, to);
-    for (; special != 0; special &= special - 1) {
-      const std::size_t lane = first_of(special);
-      if (ends(lane, (accepted >> lane & 1) != 0, from, to)) ended |= Set{1} << lane;
+  /// Returns the lanes in `events` whose swing has ended, and reports or queues their outcomes.
+  [[gnu::noinline]] LaneMask handle_events(LaneMask events, LaneMask accepted, Instant& from,
+                                           Instant& to) {
+    if constexpr (!adaptive) set_times(events, from, to);
+    LaneMask ended = 0;
+    [[maybe_unused]] const LaneMask turning = events & accepted;
+    if (solver_.release == Release::crossing) locate_turning_points(events & accepted, from, to);
+    for (; events != 0; events &= events - 1) {
+      const std::size_t lane = first_lane(events);
+      if (has_ended(lane, (accepted >> lane & 1) != 0, from, to)) ended |= LaneMask{1} << lane;
     }
     if constexpr (E.pivot) {
-      if (scene_.pivot_friction > 0) stop(turning & ~ended, from, to);
+      if (scene_.pivot_friction > 0) apply_static_friction(turning & ~ended, from, to);
     }
     return ended;
   }
 
   /// Whether the swing in a lane has ended with this step.
-  bool ends(std::size_t lane, bool accepted, const Instant& from, const Instant& to) {
+  bool has_ended(std::size_t lane, bool accepted, const Instant& from, const Instant& to) {
     const auto end = [&](Status status, const Instant& at) {
-      deliver(label_[lane].number, status, at, lane, Number(0), steps(lane));
+      done_(owner_[lane].index, outcome_of(status, at, lane, Number(0), steps(lane)));
       return true;
     };
-    if (!is_finite(to, lane) && (!adaptive || is_hopeless(lane, from)))
+    if (!is_finite(to, lane) && (!adaptive || step_underflows(lane, from)))
       return end(Status::non_finite, from);
     if (accepted) {
       const Number t = get_lane(to.t, lane);
       const bool late = t > latest_;
       if (is_released(lane, from, to) && !(late && solver_.release == Release::window)) {
-        shoot(lane, from, to);
+        releases_.push(lane, owner_[lane].index, steps(lane), lanes_, record_, from, to);
+        if (releases_.full()) locate_releases();
         return true;
       }
       if (late) return end(Status::not_released, from);
       if (t >= Number(solver_.max_time)) return end(Status::not_released, to);
-    } else if (is_hopeless(lane, from)) {
+    } else if (step_underflows(lane, from)) {
       return end(Status::step_underflow, from);
     }
     if (steps(lane) >= solver_.max_steps) return end(Status::step_budget, accepted ? to : from);
     return false;
   }
 
+  /// The rule of release.
   bool is_released(std::size_t lane, const Instant& from, const Instant& to) const {
+    using std::abs;
     const Number angle = get_lane(to.x[phi1], lane);
-    if (solver_.release == Release::window)
-      return is_inside_window(angle, Number(solver_.release_window));
     const Number pi = boost::math::constants::pi<Number>();
-    // Beyond it already, or at rest there from the start, is no crossing.
+    if (solver_.release == Release::window)
+      return abs(Number(pi - angle)) < Number(solver_.release_window);
+    // A start at phi1 >= pi is not a crossing.
     return angle >= pi && get_lane(from.x[phi1], lane) < pi;
   }
 
-  /// Whether the next step of an adaptive stepper would not move the clock on; near t = 0,
-  /// time-step stands for the time.
-  bool is_hopeless(std::size_t lane, const Instant& from) const {
-    const Number clock = std::max<Number>(get_lane(from.t, lane), solver_.time_step);
-    return adaptive && get_lane(flight_.h, lane) < std::numeric_limits<Number>::epsilon() * clock;
+  void locate_releases() {
+    releases_.locate_releases(
+        stepper_, [&](std::uint64_t index, const auto& outcome,
+                      [[maybe_unused]] const Instant& from, [[maybe_unused]] const Instant& to) {
+          done_(index, outcome);
+          if constexpr (lanes == 1) {
+            if (has_speed(outcome.status)) observe_(from, to);
+          }
+        });
   }
 
-  static bool is_finite(const Instant& at, std::size_t lane) {
-    Number sum = 0;
-    for (std::size_t i = 0; i < coordinates<E>; ++i)
-      sum += Number(get_lane(at.x[i], lane) + get_lane(at.dxdt[i], lane));
-    return is_finite_sum(sum);
+  /// Whether the next step of an adaptive method would be too short to change the time; near t = 0,
+  /// time-step takes the place of the time.
+  bool step_underflows(std::size_t lane, const Instant& from) const {
+    const Number time = std::max<Number>(get_lane(from.t, lane), solver_.time_step);
+    return adaptive && get_lane(lanes_.h, lane) < std::numeric_limits<Number>::epsilon() * time;
   }
 
-  /// The times of a fixed stepper: counted steps, so that they carry no sum of roundings.
-  void set_times(Set set, Instant& from, Instant& to) {
-    for (; set != 0; set &= set - 1) {
-      const std::size_t lane = first_of(set);
+  /// Sets the times of a fixed-step method, n h, which accumulate no rounding errors.
+  void set_times(LaneMask mask, Instant& from, Instant& to) {
+    for (; mask != 0; mask &= mask - 1) {
+      const std::size_t lane = first_lane(mask);
       set_lane(from.t, lane, time_of(steps(lane) - 1));
       set_lane(to.t, lane, time_of(steps(lane)));
     }
@@ -278,150 +237,58 @@ class Swings {
 
   Number time_of(std::uint64_t step) const { return Number(step) * Number(solver_.time_step); }
 
-  /// A fixed stepper's instant, `back` steps before the last one.
+  /// An instant of a fixed-step method, `back` steps before the last one, with its time.
   Instant at_step(Instant at, std::uint64_t back) const {
     at.t = time_of(steps(0) - back);
     return at;
   }
 
-  /// Where the arm has turned back within the step, perhaps from beyond pi, the step's end becomes
-  /// the turning point.
-  void look_for_turns(Set set, const Instant& from, Instant& to) {
+  /// Where the arm turns back within the step, having possibly passed phi1 = pi, the turning point
+  /// becomes the end of the step.
+  void locate_turning_points(LaneMask mask, const Instant& from, Instant& to) {
     const T pi = boost::math::constants::pi<Number>();
-    // No further than this can it have come.
-    const T reach = from.x[phi1] + T(to.t - from.t) * T(from.x[w1] - to.x[w1]);
-    set &= lanes_of((from.x[phi1] < pi) & (to.x[phi1] < pi) & (reach >= pi) & (from.x[w1] > T(0)) &
-                    (to.x[w1] < T(0)));
-    if (set == 0) return;
-    const Instant turn = turn_between(stepper_, flight_.motion, from, to);
-    for (; set != 0; set &= set - 1) {
-      const std::size_t lane = first_of(set);
+    // An upper bound of phi1 within the step.
+    const T bound = from.x[phi1] + T(to.t - from.t) * T(from.x[w1] - to.x[w1]);
+    mask &= lanes_of((from.x[phi1] < pi) & (to.x[phi1] < pi) & (bound >= pi) & (from.x[w1] > T(0)) &
+                     (to.x[w1] < T(0)));
+    if (mask == 0) return;
+    const Instant turn = turn_between(stepper_, lanes_.motion, from, to);
+    for (; mask != 0; mask &= mask - 1) {
+      const std::size_t lane = first_lane(mask);
       if (get_lane(turn.x[phi1], lane) >= boost::math::constants::pi<Number>())
         copy_lane<T>(to, lane, turn, lane);
     }
   }
 
-  /// Lets dry friction decide where an arm comes to rest: the swing goes on from the turning point,
-  /// or, with a fixed stepper, from the step's end without its rate.
-  void stop(Set set, const Instant& from, Instant& to) {
-    set &= lanes_of((from.x[w1] * to.x[w1]) < T(0));
-    if (set == 0) return;
+  /// Where the arm turns back, continues from rest, so that dry friction decides whether it moves:
+  /// at the turning point, or at the end of the step of a fixed-step method.
+  void apply_static_friction(LaneMask mask, const Instant& from, Instant& to) {
+    mask &= lanes_of((from.x[w1] * to.x[w1]) < T(0));
+    if (mask == 0) return;
     Instant turn = to;
-    if constexpr (adaptive) turn = turn_between(stepper_, flight_.motion, from, to);
+    if constexpr (adaptive) turn = turn_between(stepper_, lanes_.motion, from, to);
     turn.x[w1] = T(0);
-    flight_.motion.rates(turn.x, turn.at, turn.dxdt);
-    for (; set != 0; set &= set - 1) copy_lane<T>(to, first_of(set), turn, first_of(set));
+    lanes_.motion.rates(turn.x, turn.at, turn.dxdt);
+    for (; mask != 0; mask &= mask - 1) copy_lane<T>(to, first_lane(mask), turn, first_lane(mask));
   }
 
-  /// Puts a lane's swing among the shots that wait to land together.
-  void shoot(std::size_t lane, const Instant& from, const Instant& to) {
-    copy_lane<T>(shot_.design, shots_, flight_.design, lane);
-    copy_lane<T>(shot_.to, shots_, to, lane);
-    if (lanes == 1 || recording_ || solver_.release == Release::crossing) {
-      copy_lane<T>(shot_.motion, shots_, flight_.motion, lane);
-      copy_lane<T>(shot_.from, shots_, from, lane);
-    }
-    if (recording_) copy_lane<T>(shot_.record, shots_, record_, lane);
-    shot_label_[shots_] = {label_[lane].number, steps(lane)};
-    if (++shots_ == lanes) land();
-  }
-
-  /// Finds the releases of the shots that wait.
-  [[gnu::noinline]] void land() {
-    if (shots_ == 0) return;
-    for (std::size_t lane = shots_; lane < lanes; ++lane) copy_lane<T>(shot_, lane, shot_, 0);
-    if (solver_.release == Release::crossing)
-      shot_.to = release_between(stepper_, shot_.motion, shot_.from, shot_.to);
-    const Mechanism<T, E> mechanism(scene_, shot_.design);
-    const T speed = mechanism.speed(shot_.to.x);
-    record_fields(mechanism);
-    const Set buried = ranging_ ? lanes_of(is_below_ground(mechanism, shot_.to.x)) : 0;
-    for (std::size_t lane = 0; lane < shots_; ++lane) {
-      const auto [number, tried] = shot_label_[lane];
-      const Status status = !is_finite(shot_.to, lane)             ? Status::non_finite
-                            : get_lane(shot_.to.t, lane) > latest_ ? Status::not_released
-                            : (buried >> lane & 1) != 0            ? Status::released_below_ground
-                                                                   : Status::released;
-      deliver(number, status, shot_.to, lane, get_lane(speed, lane), tried);
-      if constexpr (lanes == 1) {
-        if (has_speed(status)) observe_(shot_.from, shot_.to);
-      }
-    }
-    shots_ = 0;
-  }
-
-  /// The shots' values of the fields that are asked for.
-  void record_fields(const Mechanism<T, E>& mechanism) {
-    if (fields_.empty()) return;
-    if (recording_)
-      shot_.record = extended(shot_.record, shot_.design, shot_.motion, shot_.from, shot_.to,
-                              T(shot_.to.t - shot_.from.t));
-    for (std::size_t f = 0; f < fields_.size(); ++f) {
-      const T value = value_at_release(fields_[f], mechanism, shot_.to.x, shot_.record);
-      for (std::size_t lane = 0; lane < shots_; ++lane)
-        values_[shot_label_[lane].number * fields_.size() + f] =
-            static_cast<double>(get_lane(value, lane));
-    }
-  }
-
-  void deliver(std::uint64_t number, Status status, const Instant& at, std::size_t lane,
-               const Number& speed, std::uint64_t tried) {
-    Outcome<Number, E> outcome{status, get_lane(at.t, lane), {}, speed, tried};
-    for (std::size_t i = 0; i < coordinates<E>; ++i) outcome.x[i] = get_lane(at.x[i], lane);
-    done_(number, outcome);
-  }
-
-  /// Gives a lane the next design; leaves it idle if there is none.
+  /// Starts the next design in a lane, or leaves the lane idle after the last one.
   void refill(std::size_t lane) {
-    if (fresh_ == prepared_) prepare();
-    if (fresh_ == prepared_) {
-      active_ &= ~(Set{1} << lane);
+    if (starts_.empty())
+      starts_.refill(stepper_, next_, [&](std::uint64_t index) {
+        done_(index, Outcome<Number, E>{Status::unreachable_start, Number(0), {}, Number(0), 0});
+      });
+    if (starts_.empty()) {
+      active_ &= ~(LaneMask{1} << lane);
       return;
     }
-    copy_lane<T>(flight_, lane, start_, fresh_);
-    copy_lane<T>(now_[tried_ % 2], lane, start_now_, fresh_);
-    if (recording_) copy_lane<T>(record_, lane, LoadRecord<T>(), 0);
-    label_[lane] = {start_number_[fresh_], tried_};
-    next_check_ = std::min(next_check_, tried_ + step_limit_);
-    active_ |= Set{1} << lane;
-    ++fresh_;
+    owner_[lane] = {starts_.pop(lane, lanes_, now_[steps_taken_ % 2]), steps_taken_};
+    if (request_.any()) copy_lane<T>(record_, lane, SwingRecord<T>(), 0);
+    next_step_check_ = std::min(next_step_check_, steps_taken_ + step_limit_);
+    active_ |= LaneMask{1} << lane;
   }
 
-  /// Prepares the starts of the next designs, a lane for each.
-  [[gnu::noinline]] void prepare() {
-    fresh_ = prepared_ = 0;
-    Design<T> design{1, 1, 1};
-    Design<double> one;
-    while (prepared_ < lanes && next_(one)) {
-      const std::uint64_t number = designs_++;
-      if (!start_is_reachable(scene_, one.r1)) {
-        done_(number, Outcome<Number, E>{Status::unreachable_start, Number(0), {}, Number(0), 0});
-        continue;
-      }
-      set_lane(design.r1, prepared_, Number(one.r1));
-      set_lane(design.r3, prepared_, Number(one.r3));
-      set_lane(design.r2, prepared_, Number(one.r2));
-      start_number_[prepared_++] = number;
-    }
-    if (prepared_ == 0) return;
-    start_.design = design;
-    start_.motion = Motion<T, E>(scene_, design);
-    start_now_ = instant(start_.motion, T(0), start<T, E>(scene_, design));
-    start_.h = first_step(start_now_);
-  }
-
-  /// The step to begin with: a fixed stepper's own; of an adaptive one, so long that the rates at
-  /// rest would change the state by a hundredth, were the error that part of the step which its
-  /// order makes it (Hairer, Norsett and Wanner, II.4, without their second evaluation).
-  T first_step(const Instant& at) const {
-    using std::abs;
-    if constexpr (!adaptive) return T(Number(solver_.time_step));
-    const T a = abs(at.dxdt[w1]), b = abs(at.dxdt[w2]);
-    const T rate = select(a < b, b, a);
-    return rough_power(T(0.01 * solver_.tolerance), rate, 1.0 / (stepper_.order() + 1));
-  }
-
-  /// How many steps a swing may try before it is looked at.
+  /// The number of steps after which a swing may have to end.
   static std::uint64_t step_limit(const Solver& solver) {
     if (adaptive) return solver.max_steps;
     const double steps = std::ceil(solver.max_time / solver.time_step * (1 - 4e-16));
@@ -432,90 +299,31 @@ class Swings {
 
   const Scene scene_;
   const Solver solver_;
-  const std::span<const Field> fields_;
-  const std::span<double> values_;
+  const RecordRequest request_;
   Next next_;
   Done done_;
   Observe observe_;
   Stepper stepper_ = make_stepper<Stepper>(solver_);
 
   const T max_time_ = Number(solver_.max_time);
-  // Counted steps round.
-  const Number latest_ =
-      Number(solver_.max_time) * Number(1 + 4 * std::numeric_limits<double>::epsilon());
+  const Number latest_ = latest_time<Number>(solver_);
   const T shortest_step_ = std::numeric_limits<Number>::epsilon() *
                            std::max<Number>(solver_.max_time, solver_.time_step);
-  const T watched_angle_ =
+  const T event_angle_ =
       boost::math::constants::pi<Number>() -
       Number(solver_.release == Release::window ? solver_.release_window * (1 + 1e-9) : 0);
   const std::uint64_t step_limit_ = step_limit(solver_);
-  const Watched watched_{fields_};
-  const bool losing_ = std::any_of(fields_.begin(), fields_.end(),
-                                   [&](Field field) { return needs_loss(field, scene_); });
-  const bool recording_ = watched_.any() || losing_;
-  const bool ranging_ = std::count(fields_.begin(), fields_.end(), Field::range) > 0;
 
-  Flight flight_{};
-  LoadRecord<T> record_{};
-  std::array<Instant, 2> now_{};  // the last step's ends in turn
-  std::array<Label, lanes> label_{};
-  Set active_ = 0;
-  std::uint64_t tried_ = 0;
-  std::uint64_t next_check_ = std::numeric_limits<std::uint64_t>::max();
+  LaneState<T, E> lanes_{};
+  SwingRecord<T> record_{};
+  std::array<Instant, 2> now_{};  // the ends of the last step; which is which alternates
+  std::array<LaneOwner, lanes> owner_{};
+  LaneMask active_ = 0;
+  std::uint64_t steps_taken_ = 0;
+  std::uint64_t next_step_check_ = std::numeric_limits<std::uint64_t>::max();
 
-  SwingResult shot_{};
-  std::array<Label, lanes> shot_label_{};
-  std::size_t shots_ = 0;
-
-  Flight start_{};
-  Instant start_now_{};
-  std::array<std::uint64_t, lanes> start_number_{};
-  std::size_t fresh_ = 0, prepared_ = 0;
-  std::uint64_t designs_ = 0;
+  StartQueue<Stepper, T, E> starts_;
+  ReleaseQueue<Stepper, T, E> releases_;
 };
-
-/// Integrates designs, and fills their shots and `fields`; see integrate().
-template <class Stepper, class T, Effects E>
-Work swing_all(const Scene& scene, const Solver& solver, const Batch& batch) {
-  const auto& [designs, results, fields, values] = batch;
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  std::fill(values.begin(), values.end(), nan);
-  std::size_t at = 0;
-  const auto next = [&](Design<double>& design) {
-    if (at == designs.size()) return false;
-    design = designs[at++];
-    return true;
-  };
-  std::uint64_t steps = 0;
-  const auto done = [&](std::uint64_t number, const auto& outcome) {
-    const bool result = has_speed(outcome.status);
-    steps += outcome.steps;
-    results[number] = {result ? outcome.speed : nan, result ? outcome.t : nan, outcome.steps,
-                       outcome.status};
-    if (!result) std::ranges::fill(values.subspan(number * fields.size(), fields.size()), nan);
-  };
-  Swings<Stepper, T, E, decltype(next), decltype(done)> swings(scene, solver, fields, values, next,
-                                                               done);
-  const std::uint64_t lane_steps = swings.run();
-  return {lane_steps, evaluations(swings.stepper(), steps)};
-}
-
-/// Integrates one design; see Swings.
-template <class Stepper, class T, Effects E = Effects{}, class Observe = NullObserver>
-Outcome<T, E> swing(const Scene& scene, const Design<double>& design, const Solver& solver,
-                    Observe&& observe = {}, std::span<const Field> fields = {},
-                    std::span<double> values = {}) {
-  Outcome<T, E> outcome{};
-  bool given = false;
-  const auto next = [&](Design<double>& d) {
-    d = design;
-    return !std::exchange(given, true);
-  };
-  const auto done = [&](std::uint64_t, const Outcome<T, E>& o) { outcome = o; };
-  Swings<Stepper, T, E, decltype(next), decltype(done), Observe&>(scene, solver, fields, values,
-                                                                  next, done, observe)
-      .run();
-  return outcome;
-}
 
 }  // namespace trebsweep

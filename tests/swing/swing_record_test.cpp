@@ -1,4 +1,4 @@
-#include "trebsweep/swing/load_record.hpp"
+#include "trebsweep/swing/swing_record.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -7,9 +7,9 @@
 
 #include "support/catch.hpp"
 #include "trebsweep/job/sample.hpp"
-#include "trebsweep/ode/steppers.hpp"
+#include "trebsweep/ode/advance.hpp"
 #include "trebsweep/swing/integrate.hpp"
-#include "trebsweep/swing/swings.hpp"
+#include "trebsweep/swing/swing.hpp"
 
 using namespace trebsweep;
 
@@ -30,9 +30,7 @@ std::vector<double> shoot(const Scene& scene, const std::vector<Field>& fields,
                           double tolerance = 1e-10) {
   std::vector<double> values(fields.size());
   const double speed = with_effects(scene, [&]<Effects E>() {
-    return swing<Fehlberg78<double, E>, double, E>(scene, optimum, accurate(tolerance), {}, fields,
-                                                   values)
-        .speed;
+    return swing<E>(scene, optimum, accurate(tolerance), {}, fields, values).speed;
   });
   values.push_back(speed);
   return values;
@@ -40,7 +38,7 @@ std::vector<double> shoot(const Scene& scene, const std::vector<Field>& fields,
 
 }  // namespace
 
-TEST_CASE("A peak is the polynomial's through its samples, or the largest sample") {
+TEST_CASE("A peak is the maximum of the interpolating polynomial, or the largest sample") {
   constexpr std::array<double, 4> places{0, 0.3, 0.6, 1};
   const auto peak_of = [&](auto f) {
     std::array<double, 4> values;
@@ -55,7 +53,7 @@ TEST_CASE("A peak is the polynomial's through its samples, or the largest sample
   CHECK(peak_of([](double) { return 5; }) == 5);
 }
 
-TEST_CASE("A motion of fifth degree is interpolated exactly, over a step of no length too") {
+TEST_CASE("A motion of degree five is interpolated exactly, also over a step of zero length") {
   // phi1 = t^5, phi2 = 1 - t + t^4
   const auto at = [](double t) {
     Instant<double> now{};
@@ -73,17 +71,17 @@ TEST_CASE("A motion of fifth degree is interpolated exactly, over a step of no l
 
 namespace {
 
-/// Peaks by the parabolas through a fine sequence of samples.
+/// Peaks of the parabolas through consecutive samples.
 struct FinePeaks {
-  std::array<double, 4> largest{-1e300, 0, 0, 0};  // of the first the sign is turned
+  std::array<double, 4> largest{-1e300, 0, 0, 0};  // the first is negated
   std::array<double, 4> before{}, last{};
   int count = 0;
 
-  /// Begins a sequence that does not go on smoothly.
+  /// Starts a sequence that does not continue the last one smoothly.
   void begin() { count = 0; }
 
   void add(const Loads<double>& loads) {
-    const std::array<double, 4> next{-loads.projectile_pull, loads.tip_pull, loads.axle,
+    const std::array<double, 4> next{-loads.projectile_tension, loads.tip_tension, loads.axle,
                                      std::abs(loads.beam_stress)};
     for (std::size_t i = 0; i < 4; ++i) {
       largest[i] = std::max(largest[i], next[i]);
@@ -101,31 +99,28 @@ struct Swung {
   std::array<double, 4> recorded, fine;
 };
 
-/// Peaks as they are recorded, and those of the swing's own steps: of instants every half
-/// millisecond, to which the stepper goes from each step's start.
-template <class Stepper, Effects E>
+/// Recorded peaks, and those of a fine sequence: the stepper integrates from the start of each step
+/// to instants every half millisecond.
+template <Effects E>
 Swung swing_finely(const Scene& scene, const Design<double>& design, const Solver& solver) {
   constexpr std::array fields{Field::least_sling_tension, Field::peak_sling_tension,
                               Field::peak_axle_load, Field::peak_beam_stress};
   const Mechanism<double, E> mechanism(scene, design);
   const Motion<double, E> motion(scene, design);
-  Stepper stepper = make_stepper<Stepper>(solver);
+  const auto advance = make_advance<double, E>(solver);
   FinePeaks fine;
   Swung swung{};
-  const auto watch_finely = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
+  const auto sample_finely = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
     const int parts = std::max(6, static_cast<int>((to.t - from.t) / 5e-4));
     fine.begin();
     fine.add(mechanism.loads(from.x, from.dxdt));
-    Instant<double, E> at;
-    State<double, E> error;
     for (int i = 1; i < parts; ++i) {
-      advance(stepper, motion, from, (to.t - from.t) * i / parts, at, error);
+      const auto at = advance(motion, from, (to.t - from.t) * i / parts);
       fine.add(mechanism.loads(at.x, at.dxdt));
     }
     fine.add(mechanism.loads(to.x, to.dxdt));
   };
-  const auto outcome =
-      swing<Stepper, double, E>(scene, design, solver, watch_finely, fields, swung.recorded);
+  const auto outcome = swing<E>(scene, design, solver, sample_finely, fields, swung.recorded);
   swung.status = outcome.status;
   swung.fine = fine.largest;
   swung.fine[0] = E.elastic ? std::max(0.0, -fine.largest[0]) : -fine.largest[0];
@@ -134,7 +129,7 @@ Swung swing_finely(const Scene& scene, const Design<double>& design, const Solve
 
 }  // namespace
 
-TEST_CASE("Peaks of every stepper are those of its swing sampled finely") {
+TEST_CASE("Recorded peaks of every stepper equal those of a fine sampling of its swing") {
   Scene friction, elastic;
   friction.pivot_friction = 510;
   friction.pivot_viscosity = 20;
@@ -156,20 +151,17 @@ TEST_CASE("Peaks of every stepper are those of its swing sampled finely") {
             solver.stepper = name;
             solver.time_step = accuracy;
             solver.max_time = 3;
-            const Swung swung = with_stepper(
-                name, [&]<template <class, Effects = Effects{}> class Stepper>() {
-                  return swing_finely<Stepper<double, E>, E>(scene, design, solver);
-                });
+            const Swung swung = swing_finely<E>(scene, design, solver);
             if (!has_speed(swung.status)) continue;
             ++swings;
             double allowed = adaptive && accuracy > 1e-5 ? 2e-3 : 1e-5;
             if (E.elastic) {
               allowed = std::max(allowed, 2e-5);
-              // An elastic sling makes a force of its length's error.
+              // The stiffness turns an error of the sling's length into a force.
               if (adaptive) allowed += 3 * scene.sling_stiffness * accuracy / weight;
             }
             for (std::size_t i = 0; i < 4; ++i) {
-              // The least pull may vanish.
+              // The least tension may be zero.
               const double size = std::max(std::abs(swung.fine[i]), i == 0 ? weight : 0);
               INFO(name << " at " << accuracy << ", load " << i << " of the design " << design.r1
                         << " " << design.r3 << " " << design.r2);
@@ -181,7 +173,7 @@ TEST_CASE("Peaks of every stepper are those of its swing sampled finely") {
   CHECK(swings > 1500);
 }
 
-TEST_CASE("Loads of a design are the same bit for bit whatever its neighbours") {
+TEST_CASE("Loads of a design are bitwise independent of the rest of the batch") {
   const std::vector<Field> fields{Field::least_sling_tension, Field::peak_sling_tension,
                                   Field::peak_axle_load, Field::peak_beam_stress};
   Scene elastic;
@@ -206,7 +198,7 @@ TEST_CASE("Loads of a design are the same bit for bit whatever its neighbours") 
     }
 }
 
-TEST_CASE("Energy is balanced to the tolerance with every combination of effects") {
+TEST_CASE("Energy and losses balance to the tolerance for every combination of effects") {
   for (const double stiffness : {0.0, 1e5})
     for (const double friction : {0.0, 500.0})
       for (const double mass : {0.0, 5.0}) {
@@ -221,32 +213,32 @@ TEST_CASE("Energy is balanced to the tolerance with every combination of effects
       }
 }
 
-TEST_CASE("A stiff sling falls short of a rigid one by the energy left in its stretch") {
-  // That is S^2/2k for the pull S at the release: m3 v dv, of the projectile's energy.
+TEST_CASE("A stiff sling loses the speed that corresponds to its elastic energy at the release") {
+  // The elastic energy S^2/2k for the tension S at the release equals m3 v dv.
   const double rigid = shoot(Scene{}, {})[0];
-  const double pull = shoot(Scene{}, {Field::peak_sling_tension})[0];  // largest at the release
+  const double tension = shoot(Scene{}, {Field::peak_sling_tension})[0];  // largest at the release
   for (const double stiffness : {1e5, 1e6, 1e7}) {
     Scene scene;
     scene.sling_stiffness = stiffness;
-    const double expected = pull * pull / (2 * stiffness * scene.projectile_mass * rigid);
+    const double expected = tension * tension / (2 * stiffness * scene.projectile_mass * rigid);
     const double short_fall = rigid - shoot(scene, {})[0];
     INFO(stiffness << " " << short_fall << " " << expected);
     CHECK(short_fall / expected == Approx(1).margin(stiffness < 1e6 ? 0.15 : 0.06));
   }
 }
 
-TEST_CASE("Values at the release follow from the state there") {
+TEST_CASE("Fields at the release follow from the state") {
   const auto v = shoot(Scene{}, {Field::sling_angle, Field::arm_rate, Field::sling_rate,
                                  Field::kinetic_energy, Field::efficiency, Field::range});
   const double speed = v.back(), g = 9.8;
   CHECK(v[3] == Approx(50 * speed * speed));
-  // The arm is upright: the projectile's velocity and place from the angles.
+  // The arm is upright: velocity and position of the projectile from the angles.
   const double vx = 0.91 * v[1] - 0.58 * v[2] * std::cos(v[0]);
   const double vy = 0.58 * v[2] * std::sin(v[0]);
   CHECK(std::hypot(vx, vy) == Approx(speed));
   const double height = 1.5 + 0.91 - 0.58 * std::cos(v[0]);
   CHECK(v[5] == Approx(vx * (vy + std::sqrt(vy * vy + 2 * g * height)) / g));
-  // Weights' heights: counterweight and beam fall, the projectile rises.
+  // Potential energy: counterweight and beam fall, the projectile rises.
   const double m2 = 7850 * 0.01 * 1.42,
                turn = 0.5 / 0.51 + 1;  // cos phi1 falls from 0.5/0.51 to -1
   const double given =
@@ -255,7 +247,7 @@ TEST_CASE("Values at the release follow from the state there") {
 }
 
 TEST_CASE(
-    "A range is positive where the projectile flies as the arm's tip does, negative backwards") {
+    "A range is positive in the direction of the arm's tip at the release, negative backwards") {
   const Scene scene;
   const auto designs = sample(Lattice(scene, LatticeSpec()), 400);
   const std::vector<Field> fields{Field::sling_angle, Field::arm_rate, Field::sling_rate,
@@ -280,48 +272,45 @@ TEST_CASE(
   CHECK(backwards > 0);
 }
 
-TEST_CASE("A sling that pulls throughout is taut, one that would push is slack") {
+TEST_CASE("A sling under tension throughout is taut; one that would have to push is slack") {
   CHECK(shoot(Scene{}, {Field::slack})[0] == 1);
   Scene scene;
-  scene.sling_angle = 2.5;  // held up beside the beam: falls freely at first
+  scene.sling_angle = 2.5;  // nearly upright next to the beam: the projectile falls freely at first
   const auto values = shoot(scene, {Field::slack, Field::least_sling_tension});
   CHECK(values[0] == 2);
   CHECK(values[1] < 0);
 }
 
-TEST_CASE("A beam that dry friction holds is never released") {
+TEST_CASE("A beam held by dry friction stays at rest and has no release") {
   Scene scene;
   scene.pivot_friction = 1e6;
-  const auto outcome =
-      swing<Fehlberg78<double, Effects{true, false}>, double, Effects{true, false}>(scene, optimum,
-                                                                                    accurate(1e-9));
+  const auto outcome = swing<Effects{true, false}>(scene, optimum, accurate(1e-9));
   CHECK(outcome.status == Status::not_released);
   CHECK(outcome.x[w1] == 0);
   CHECK(outcome.x[phi1] == start<double>(scene, optimum)[phi1]);
 }
 
-TEST_CASE("Friction stops an arm that swings back and forth, at rest in the end") {
+TEST_CASE("Friction brings an oscillating arm to rest") {
   Scene scene;
   scene.projectile_mass = 3600;  // too heavy: the arm turns back before pi
   scene.pivot_friction = 3000;
   scene.pivot_viscosity = 20000;
   Solver solver = accurate(1e-8);
   solver.max_time = 60;
-  constexpr Effects E{true, false};
-  const auto outcome = swing<Dopri5<double, E>, double, E>(scene, optimum, solver);
+  solver.stepper = "dopri5";
+  const auto outcome = swing<Effects{true, false}>(scene, optimum, solver);
   CHECK(outcome.status == Status::not_released);
   CHECK(std::abs(outcome.x[w1]) < 1e-6);
 }
 
-TEST_CASE("A release below the ground has a status of its own, and no range") {
+TEST_CASE("A release below the ground has its own status and no range") {
   std::vector<double> values(1);
   const std::vector<Field> fields{Field::range};
   Scene scene;
   scene.fulcrum_height = 0.1;
   scene.release_height = 0.5;
   const Design<double> deep{0.51, 3, 0.4};
-  const auto result =
-      swing<Fehlberg78<double>, double>(scene, deep, accurate(1e-9), {}, fields, values);
+  const auto result = swing<Effects{}>(scene, deep, accurate(1e-9), {}, fields, values);
   REQUIRE(scene.fulcrum_height + Mechanism<double>(scene, deep).projectile(result.x).y < 0);
   CHECK(result.status == Status::released_below_ground);
   CHECK(std::isnan(values[0]));

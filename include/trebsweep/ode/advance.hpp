@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+
+#include "trebsweep/ode/instant.hpp"
+#include "trebsweep/ode/solver.hpp"
+
+namespace trebsweep {
+
+/// A stepper chosen at run time: advance(motion, from, h) is the instant a step of length h after
+/// `from`. A multistep stepper keeps its history from call to call.
+template <class T, Effects E>
+using Advance =
+    std::function<Instant<T, E>(const Motion<T, E>& motion, const Instant<T, E>& from, const T& h)>;
+
+/// The solver's stepper; T is double, or long double for a stepper that also serves packs. Throws
+/// std::logic_error for another one in long double.
+template <class T, Effects E>
+Advance<T, E> make_advance(const Solver& solver);
+
+}  // namespace trebsweep

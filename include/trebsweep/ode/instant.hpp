@@ -1,0 +1,27 @@
+#pragma once
+
+#include <type_traits>
+
+#include "trebsweep/model/motion.hpp"
+
+namespace trebsweep {
+
+/// The state of a swing at one time, with what the right-hand side makes of it.
+template <class T, Effects E = Effects{}>
+struct Instant {
+  T t;  ///< s
+  State<T, E> x;
+  Directions<T> at;  ///< sines and cosines of the angles in x
+  State<T, E> dxdt;
+};
+
+/// The instant with time t and state x.
+template <class T, Effects E>
+Instant<T, E> instant(const Motion<T, E>& motion, const std::type_identity_t<T>& t,
+                      const State<T, E>& x) {
+  Instant<T, E> now{t, x, directions(x), {}};
+  motion.rates(now.x, now.at, now.dxdt);
+  return now;
+}
+
+}  // namespace trebsweep

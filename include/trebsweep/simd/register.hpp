@@ -1,0 +1,82 @@
+#pragma once
+
+#include <immintrin.h>
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+namespace trebsweep {
+
+// SIMD registers by GCC's and Clang's vector extensions. Debian's xsimd 8.1 lacks a fused
+// multiply-add for AVX-512, so that maps would differ between AVX2 and AVX-512;
+// std::experimental::simd computes it element by element.
+
+// Only the preprocessor knows the instruction set.
+#if defined(__AVX512F__)
+inline constexpr std::size_t register_lanes = 8;
+#elif defined(__AVX2__)
+inline constexpr std::size_t register_lanes = 4;
+#else
+inline constexpr std::size_t register_lanes = 2;
+#endif
+
+/// A register of doubles, and one of 64-bit integers.
+using Register = double __attribute__((vector_size(8 * register_lanes)));
+using Bits = std::int64_t __attribute__((vector_size(8 * register_lanes)));
+
+[[gnu::always_inline]] inline Register broadcast(double x) { return Register{} + x; }
+
+/// a b + c, rounded once where the instruction set has a fused multiply-add.
+[[gnu::always_inline]] inline Register fma(Register a, Register b, Register c) {
+#if defined(__AVX512F__)
+  return _mm512_fmadd_pd(a, b, c);
+#elif defined(__FMA__)
+  return _mm256_fmadd_pd(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+
+[[gnu::always_inline]] inline Register sqrt(Register x) {
+#if defined(__AVX512F__)
+  return _mm512_maskz_sqrt_pd(0xff, x);
+#elif defined(__AVX2__)
+  return _mm256_sqrt_pd(x);
+#else
+  return _mm_sqrt_pd(x);
+#endif
+}
+
+/// a / b, correctly rounded if both operands are finite, and a / b and 1 / b are normal numbers.
+[[gnu::always_inline]] inline Register quotient(Register a, Register b) {
+#if defined(__AVX512F__)
+  // Faster than the divider (16 cycles): Newton's method from a 14-bit approximation of 1/b, then
+  // Markstein's correction (P. Markstein, IBM J. Res. Dev. 34, 1990).
+  const Register approximate = _mm512_maskz_rcp14_pd(0xff, b);
+  const Register e = fma(-b, approximate, broadcast(1));
+  const Register better = fma(e, approximate, approximate);
+  const Register inverse = fma(e * e, better, better);
+  const Register q = a * inverse;
+  return fma(fma(-b, q, a), inverse, q);
+#else
+  return a / b;
+#endif
+}
+
+[[gnu::always_inline]] inline Register abs(Register x) {
+  return std::bit_cast<Register>(std::bit_cast<Bits>(x) & INT64_MAX);
+}
+
+/// The sign bits of all lanes; bit i belongs to lane i.
+[[gnu::always_inline]] inline std::uint32_t sign_bits(Bits x) {
+#if defined(__AVX512F__)
+  return _mm512_cmplt_epi64_mask(std::bit_cast<__m512i>(x), _mm512_setzero_si512());
+#elif defined(__AVX2__)
+  return static_cast<std::uint32_t>(_mm256_movemask_pd(std::bit_cast<__m256d>(x)));
+#else
+  return static_cast<std::uint32_t>(_mm_movemask_pd(std::bit_cast<__m128d>(x)));
+#endif
+}
+
+}  // namespace trebsweep

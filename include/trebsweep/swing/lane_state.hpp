@@ -1,0 +1,52 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+#include "trebsweep/ode/step_size.hpp"
+#include "trebsweep/swing/outcome.hpp"
+
+namespace trebsweep {
+
+/// A set of lanes; bit i belongs to lane i.
+using LaneMask = std::uint32_t;
+
+inline std::size_t first_lane(LaneMask mask) {
+  return static_cast<std::size_t>(std::countr_zero(mask));
+}
+
+/// The swing under way in every lane, except for its current instant.
+template <class T, Effects E>
+struct LaneState {
+  Design<T> design;
+  Motion<T, E> motion;
+  T h;  ///< s: length of the next step; the same in all lanes of a fixed-step method
+};
+
+/// Whether state and rates of a lane are finite.
+template <class T, Effects E>
+bool is_finite(const Instant<T, E>& at, std::size_t lane) {
+  using Number = typename Lanes<T>::Number;
+  Number sum = 0;
+  for (std::size_t i = 0; i < coordinates<E>; ++i)
+    sum += Number(get_lane(at.x[i], lane) + get_lane(at.dxdt[i], lane));
+  return is_finite_sum(sum);
+}
+
+/// The outcome of the swing in a lane that ends at the instant `at`.
+template <class T, Effects E>
+auto outcome_of(Status status, const Instant<T, E>& at, std::size_t lane,
+                const typename Lanes<T>::Number& speed, std::uint64_t steps) {
+  Outcome<typename Lanes<T>::Number, E> outcome{status, get_lane(at.t, lane), {}, speed, steps};
+  for (std::size_t i = 0; i < coordinates<E>; ++i) outcome.x[i] = get_lane(at.x[i], lane);
+  return outcome;
+}
+
+/// The latest time (s) that does not exceed max-time; times of fixed steps, n h, are rounded.
+template <class Number>
+Number latest_time(const Solver& solver) {
+  return Number(solver.max_time) * Number(1 + 4 * std::numeric_limits<double>::epsilon());
+}
+
+}  // namespace trebsweep

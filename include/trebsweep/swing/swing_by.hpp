@@ -1,0 +1,29 @@
+#pragma once
+
+#include <span>
+#include <utility>
+
+#include "trebsweep/swing/swings.hpp"
+
+namespace trebsweep {
+
+/// Integrates one design with a stepper and a number type chosen at compile time; see swing().
+template <class Stepper, class T, Effects E, class Observe = NullObserver>
+Outcome<T, E> swing_by(const Scene& scene, const Design<double>& design, const Solver& solver,
+                       Observe&& observe = {}, std::span<const Field> fields = {},
+                       std::span<double> values = {}) {
+  Outcome<T, E> outcome{};
+  bool given = false;
+  const auto next = [&](Design<double>& d) {
+    d = design;
+    return !std::exchange(given, true);
+  };
+  const auto done = [&](std::uint64_t, const Outcome<T, E>& o) { outcome = o; };
+  Swings<Stepper, T, E, decltype(next), decltype(done), Observe&> swings(
+      scene, solver, fields, values, next, done, observe);
+  swings.run();
+  outcome.evaluations = evaluations(swings.stepper(), outcome.steps);
+  return outcome;
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,196 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <type_traits>
+
+#include "trebsweep/ode/interpolation.hpp"
+#include "trebsweep/ode/stepper.hpp"
+#include "trebsweep/swing/field.hpp"
+#include "trebsweep/swing/peak.hpp"
+
+namespace trebsweep {
+
+/// Extremes of the loads, and the energy lost, from the start of a swing on. Only what the fields
+/// need is recorded.
+template <class T>
+struct SwingRecord {
+  T least_tension = std::numeric_limits<double>::infinity();  ///< N, of the sling at the projectile
+  T peak_tension = 0;                                         ///< N, of the sling at the arm's tip
+  T peak_axle_load = 0;                                       ///< N
+  T peak_stress = 0;                                          ///< Pa
+  T loss = 0;                                                 ///< J, by friction and damping
+};
+
+/// The quantities of a SwingRecord that some fields of a scene need.
+struct RecordRequest {
+  RecordRequest(std::span<const Field> fields, const Scene& scene) {
+    for (const Field field : fields) {
+      least_tension |= field == Field::slack || field == Field::least_sling_tension;
+      peak_tension |= field == Field::peak_sling_tension;
+      peak_axle_load |= field == Field::peak_axle_load;
+      peak_stress |= field == Field::peak_beam_stress;
+      loss |= field == Field::energy_drift && is_dissipative(scene);
+    }
+  }
+  bool loads() const { return least_tension || peak_tension || peak_axle_load || peak_stress; }
+  bool any() const { return loads() || loss; }
+
+  bool least_tension = false, peak_tension = false, peak_axle_load = false, peak_stress = false;
+  bool loss = false;
+};
+
+/// The mean power lost to friction and damping over a step, W: Gauss-Lobatto quadrature with five
+/// nodes (Abramowitz and Stegun, table 25.6). The stepper itself integrates to the inner nodes.
+template <class Stepper, class T, Effects E>
+T mean_lost_power(Stepper& stepper, const Motion<T, E>& motion, const Mechanism<T, E>& mechanism,
+                  const Instant<T, E>& from, const Instant<T, E>& to, const T& h) {
+  constexpr double first = 0.17267316464601143;  // (1 - sqrt(3/7))/2
+  constexpr std::array<double, 3> inner_nodes{first, 0.5, 1 - first};
+  constexpr std::array<double, 3> weights{49.0 / 180, 16.0 / 45, 49.0 / 180};
+  T power = T(1.0 / 20) * mechanism.dissipation(from.x);
+  Instant<T, E> at;
+  State<T, E> error;
+  for (std::size_t i = 0; i < 3; ++i) {
+    advance(stepper, motion, from, T(T(inner_nodes[i]) * h), at, error);
+    power += T(weights[i]) * mechanism.dissipation(at.x);
+  }
+  power += T(1.0 / 20) * mechanism.dissipation(to.x);
+  return power;
+}
+
+/// Whether loads within a step are those of the interpolated motion, which is much cheaper than
+/// integrating to each node. Not for implicit steppers, since the forces of a stiff scene amplify
+/// errors of the state, nor for fixed-step methods, whose steps may be inaccurate.
+template <class Stepper>
+inline constexpr bool is_interpolated =
+    is_adaptive<Stepper> &&
+    !std::is_same_v<typename Stepper::stepper_category, odeint::error_stepper_tag>;
+
+/// Nodes within a step: those of Gauss-Lobatto quadrature with six nodes, which keep the error of
+/// the interpolating polynomial small.
+inline constexpr std::array<double, 6> load_nodes{
+    0, 0.11747233803526763, 0.3573842417596774, 0.6426157582403226, 0.8825276619647324, 1};
+
+template <class T>
+using LoadSamples = std::array<Loads<T>, load_nodes.size()>;
+
+/// The loads at the nodes of a step of length h, for the interpolated motion. Not inlined: all
+/// adaptive steppers share the code.
+template <class T, Effects E>
+[[gnu::noinline]] LoadSamples<T> interpolated_loads(const Motion<T, E>& motion,
+                                                    const Mechanism<T, E>& mechanism,
+                                                    const Instant<T, E>& from,
+                                                    const Instant<T, E>& to, const T& h) {
+  const Quintic<T, E> between(from, to, h);
+  LoadSamples<T> loads;
+  for (std::size_t i = 1; i + 1 < load_nodes.size(); ++i) {
+    const Instant<T, E> at = instant(motion, T(0), between(load_nodes[i]));
+    loads[i] = mechanism.loads(at.x, at.dxdt);
+  }
+  loads.front() = mechanism.loads(from.x, from.dxdt);
+  loads.back() = mechanism.loads(to.x, to.dxdt);
+  return loads;
+}
+
+/// The same, where the stepper itself integrates to the nodes.
+template <class Stepper, class T, Effects E>
+LoadSamples<T> integrated_loads(Stepper& stepper, const Motion<T, E>& motion,
+                                const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
+                                const Instant<T, E>& to, const T& h) {
+  LoadSamples<T> loads;
+  for (std::size_t i = 1; i + 1 < load_nodes.size(); ++i) {
+    Instant<T, E> at;
+    State<T, E> error;
+    advance(stepper, motion, from, T(T(load_nodes[i]) * h), at, error);
+    loads[i] = mechanism.loads(at.x, at.dxdt);
+  }
+  loads.front() = mechanism.loads(from.x, from.dxdt);
+  loads.back() = mechanism.loads(to.x, to.dxdt);
+  return loads;
+}
+
+/// A record extended by the extremes of the polynomials through samples of the loads.
+template <class T>
+[[gnu::noinline]] SwingRecord<T> with_extremes(SwingRecord<T> record, const RecordRequest& request,
+                                               const LoadSamples<T>& loads) {
+  using std::abs;
+  const auto peak_of = [&](auto load) {
+    std::array<T, load_nodes.size()> values;
+    std::transform(loads.begin(), loads.end(), values.begin(), load);
+    return peak(load_nodes, values);
+  };
+  if (request.least_tension) {
+    const T negative = peak_of([](const Loads<T>& l) { return T(-l.projectile_tension); });
+    record.least_tension = -larger(T(-record.least_tension), negative);
+  }
+  if (request.peak_tension)
+    record.peak_tension =
+        larger(record.peak_tension, peak_of([](const Loads<T>& l) { return l.tip_tension; }));
+  if (request.peak_axle_load)
+    record.peak_axle_load =
+        larger(record.peak_axle_load, peak_of([](const Loads<T>& l) { return l.axle; }));
+  if (request.peak_stress) {
+    // The larger of the peaks of bending to either side.
+    T stress = loads[0].beam_stress;
+    for (const Loads<T>& l : loads)
+      stress = select(abs(stress) < abs(l.beam_stress), l.beam_stress, stress);
+    const T side = select(stress < T(0), T(-1), T(1));
+    record.peak_stress = larger(
+        record.peak_stress, peak_of([&](const Loads<T>& l) { return T(side * l.beam_stress); }));
+  }
+  return record;
+}
+
+/// The number of parts of a step whose loads are interpolated separately. Methods of high order
+/// take long steps, over which one interpolation would miss peaks by more than a relative 1e-5.
+template <class Stepper>
+int parts_of_step([[maybe_unused]] const Stepper& stepper, [[maybe_unused]] double tolerance) {
+  if constexpr (is_own_controller<Stepper>)
+    return 4;  // extrapolation takes the longest steps
+  else if constexpr (is_interpolated<Stepper>)
+    return stepper.order() > 5 && tolerance > 1e-8 ? 2 : 1;
+  else
+    return 1;
+}
+
+/// A record extended by the loads over a step from `from` to `to`, of length h.
+template <class Stepper, class T, Effects E>
+SwingRecord<T> record_loads(SwingRecord<T> record, const RecordRequest& request, Stepper& stepper,
+                            double tolerance, const Motion<T, E>& motion,
+                            const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
+                            const Instant<T, E>& to, const T& h) {
+  const int parts = parts_of_step(stepper, tolerance);
+  const T part = T(1.0 / parts) * h;
+  const auto sample = [&](const Instant<T, E>& begin, const Instant<T, E>& end) {
+    if constexpr (is_interpolated<Stepper>)
+      return interpolated_loads(motion, mechanism, begin, end, part);
+    else
+      return integrated_loads(stepper, motion, mechanism, begin, end, part);
+  };
+  Instant<T, E> last = from, next;
+  State<T, E> error;
+  for (int i = 1; i < parts; ++i) {
+    advance(stepper, motion, from, T(T(i) * part), next, error);
+    record = with_extremes(record, request, sample(last, next));
+    last = next;
+  }
+  return with_extremes(record, request, sample(last, to));
+}
+
+/// A record extended by a step of length h, from `from` to `to`.
+template <class Stepper, class T, Effects E>
+SwingRecord<T> record_step(SwingRecord<T> record, const RecordRequest& request, Stepper& stepper,
+                           double tolerance, const Motion<T, E>& motion,
+                           const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
+                           const Instant<T, E>& to, const T& h) {
+  if (request.loss) record.loss += h * mean_lost_power(stepper, motion, mechanism, from, to, h);
+  if (request.loads())
+    record = record_loads(record, request, stepper, tolerance, motion, mechanism, from, to, h);
+  return record;
+}
+
+}  // namespace trebsweep
