@@ -44,7 +44,7 @@ Complex rosenbrock_step(const Complex& z) {
   return {y[0], y[1]};
 }
 
-/// Whether a mode is one that a stable step must not let grow.
+/// Whether a stable step must not amplify the mode.
 bool is_bounded(const Complex& eigenvalue) {
   return eigenvalue.real() <= 0.1 * std::abs(eigenvalue.imag());
 }
@@ -103,7 +103,7 @@ Complex stability_function(const std::string& stepper, const Complex& z) {
 double amplification(const std::string& stepper, const std::vector<Spectrum>& spectra, double h) {
   double exponent = 0;
   for (const Spectrum& spectrum : spectra) {
-    double growth = 0;  // of one step
+    double growth = 0;  // per step
     for (const Complex& eigenvalue : spectrum.eigenvalues)
       if (is_bounded(eigenvalue))
         growth = std::max(growth, std::log(std::abs(stability_function(stepper, h * eigenvalue))) -
@@ -115,7 +115,7 @@ double amplification(const std::string& stepper, const std::vector<Spectrum>& sp
 
 double largest_stable_step(const std::string& stepper, const std::vector<Spectrum>& spectra) {
   const double modulus = stiffness(spectra).modulus;
-  // From far too short ones up, so that a stable island beyond the first unstable step is none.
+  // Upwards from very short steps, so that the first unstable step ends the search.
   const double ratio = std::pow(2, 1.0 / 32);
   double h = 1e-4 / modulus;
   while (h < 1e4 / modulus && amplification(stepper, spectra, h * ratio) < 2) h *= ratio;
@@ -158,7 +158,7 @@ Growth growth(const std::string& stepper, const Scene& scene, const Design<doubl
   const Complex eigenvalue = modes.eigenvalues()[fastest];
   const auto steps = static_cast<std::uint64_t>(std::ceil(time / h));
 
-  constexpr double small = 1e-3;  // rad: its energy is off by a millionth of itself
+  constexpr double small = 1e-3;  // rad: a relative error of 1e-6 in the linearized energy
   State<double> x = hanging;
   for (std::size_t i = 0; i < x.size(); ++i)
     x[i] += small * modes.eigenvectors()(static_cast<Eigen::Index>(i), fastest).real();
@@ -181,7 +181,7 @@ double observed_order(const std::string& stepper, const Scene& scene,
                       std::span<const Design<double>> designs,
                       std::span<const Reference> references) {
   constexpr double asymptotic = 1e-3;
-  // Twenty times that of a step; those for packs are run in long double.
+  // Twenty times that of one step; steppers for packs run in long double.
   const double rounding = is_for_packs(stepper) ? 1e-18 : 2e-15;
   constexpr std::uint64_t most_steps = 1 << 15;
   std::vector<double> orders;

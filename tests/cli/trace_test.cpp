@@ -60,7 +60,7 @@ Job accurate() {
 
 }  // namespace
 
-TEST_CASE("A trace has comments on the heights and the release, then the header t phi1 phi2 ...") {
+TEST_CASE("A trace starts with comments on heights and release, then the header t phi1 phi2 ...") {
   const Table table = read_trace(paper());
   CHECK(table.header.starts_with("t phi1 phi2 "));
   CHECK(table.comments == std::vector<std::string>{"# gravity = 9.8", "# fulcrum-height = 1.5",
@@ -69,7 +69,7 @@ TEST_CASE("A trace has comments on the heights and the release, then the header 
   CHECK(read_trace(accurate()).comments.back() == "# release = crossing");
 }
 
-TEST_CASE("Euler's trace has a row per step, from the start to the paper's release") {
+TEST_CASE("A trace of euler has one row per step, from the start to the paper's release") {
   const Table table = read_trace(paper());
   REQUIRE(table.rows.size() == 93);
   for (std::size_t i = 0; i < table.rows.size(); ++i)
@@ -77,7 +77,7 @@ TEST_CASE("Euler's trace has a row per step, from the start to the paper's relea
   CHECK(table.rows.back().at("speed") == Approx(17.47606519).margin(5e-9));
 }
 
-TEST_CASE("An adaptive trace has rows at equal times and ends at the release") {
+TEST_CASE("A trace of an adaptive method has rows at equal intervals and ends at the release") {
   const Table table = read_trace(accurate(), 0.1);
   REQUIRE(table.rows.size() == 11);
   CHECK(table.rows.at(3).at("t") == Approx(0.3));
@@ -85,7 +85,7 @@ TEST_CASE("An adaptive trace has rows at equal times and ends at the release") {
   CHECK(read_trace(accurate()).rows.size() == 92);  // every 0.01 s by itself
 }
 
-TEST_CASE("Between two of Euler's steps everything moves on a straight line, up to the release") {
+TEST_CASE("Rows between two steps of euler are interpolated linearly, up to the release") {
   const Table steps = read_trace(paper()), halves = read_trace(paper(), 0.005);
   REQUIRE(halves.rows.size() == 2 * steps.rows.size() - 1);
   for (std::size_t i = 0; i < halves.rows.size(); ++i)
@@ -95,7 +95,7 @@ TEST_CASE("Between two of Euler's steps everything moves on a straight line, up 
     }
 }
 
-TEST_CASE("Rows between the steps are as accurate as the steps") {
+TEST_CASE("Rows between steps are as accurate as the steps") {
   Job fine = accurate();
   fine.solver.tolerance = 1e-13;
   const Table rows = read_trace(accurate(), 0.003), truth = read_trace(fine, 0.003);
@@ -120,11 +120,11 @@ TEST_CASE("A swing without a release is traced to its time limit") {
   CHECK(table.rows.back().at("t") == 0.255);
 }
 
-TEST_CASE("A design that cannot start is refused") {
+TEST_CASE("A design without an initial state is an error") {
   CHECK_THROWS_WITH(trace(paper(), {0.4, 1, 1}, {}, stderr),
                     contains("r1 = 0.4: must be at least"));
 }
 
-TEST_CASE("An interval that would print without end is refused") {
+TEST_CASE("An interval that would print millions of rows is an error") {
   CHECK_THROWS_WITH(trace(accurate(), optimum, 1e-300, stderr), contains("interval = 1e-300"));
 }

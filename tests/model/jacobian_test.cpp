@@ -5,7 +5,7 @@
 
 using namespace trebsweep;
 
-TEST_CASE("The Jacobian is the difference quotient of the rates, with every effect") {
+TEST_CASE("The Jacobian equals the difference quotients of the rates, with every effect") {
   std::mt19937 random(7);
   test::for_all_effects([&]<Effects E>() {
     for (int i = 0; i < 200; ++i) {

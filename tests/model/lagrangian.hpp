@@ -8,15 +8,15 @@
 
 namespace trebsweep::test {
 
-/// Positions from a swing's coordinates, for any number type; without the program's closed forms.
+/// Positions from the coordinates of a swing for any number type, independent of the program's.
 template <class Q>
 struct Places {
   Q x1, y1, xt, yt, x3, y3;
 };
 
 template <class Q1, class Q2, class L>
-auto places(const Design<double>& d, const Q1& q1, const Q2& q2, const L& l) {
-  const auto zero = 0 * (q1 + q2 + l);  // of the type that they all become
+auto positions(const Design<double>& d, const Q1& q1, const Q2& q2, const L& l) {
+  const auto zero = 0 * (q1 + q2 + l);  // of their common type
   const auto xt = -d.r2 * sin(q1) + zero, yt = -d.r2 * cos(q1) + zero;
   return Places<decltype(xt + zero)>{d.r1 * sin(q1) + zero, d.r1 * cos(q1) + zero, xt, yt,
                                      xt - l * sin(q2),      yt - l * cos(q2)};
@@ -31,7 +31,7 @@ inline double beam_inertia(const Scene& s, const Design<double>& d) {
   return slender + per_metre * (d.r1 + d.r2) * s.beam_side * s.beam_side / 12;
 }
 
-/// Kinetic less potential energy, from velocities of the bodies; that of the sling is integrated
+/// Kinetic minus potential energy from the velocities of the bodies; the sling's is integrated
 /// along it (Simpson's rule is exact). l and vl are the sling's length and its rate.
 template <class Q1, class Q2, class L, class V1, class V2, class VL>
 auto lagrangian(const Scene& s, const Design<double>& d, const Q1& q1, const Q2& q2, const L& l,
@@ -45,7 +45,7 @@ auto lagrangian(const Scene& s, const Design<double>& d, const Q1& q1, const Q2&
   const auto kinetic = 0.5 * s.counterweight_mass * squared(vx1, vy1) +
                        0.5 * beam_inertia(s, d) * v1 * v1 +
                        0.5 * s.projectile_mass * squared(vx3, vy3) + s.sling_mass / 12 * sling;
-  const auto at = places(d, q1, q2, l);
+  const auto at = positions(d, q1, q2, l);
   const double per_metre = s.beam_density * s.beam_side * s.beam_side;
   const double beam_moment = per_metre * (d.r1 * d.r1 - d.r2 * d.r2) / 2;  // integral of mass x arm
   const auto potential =
@@ -72,7 +72,7 @@ struct Sample {
     else
       return 0;
   }
-  /// What an elastic sling pulls with.
+  /// Tension of an elastic sling, N.
   double tension() const {
     const double stretch = sling_length() - design.r3;
     if (!E.elastic || stretch <= 0) return 0;

@@ -9,7 +9,7 @@ namespace autodiff = boost::math::differentiation;
 
 namespace {
 
-/// Coordinates as functions of time to second order, differentiated automatically.
+/// Second-order Taylor polynomials of the coordinates in time, for automatic differentiation.
 template <Effects E>
 auto path(const Sample<E>& s, const State<double, E>& dxdt) {
   const auto t = autodiff::make_fvar<double, 2>(0);
@@ -17,12 +17,12 @@ auto path(const Sample<E>& s, const State<double, E>& dxdt) {
   const auto q2 = s.x[phi2] + s.x[w2] * t + 0.5 * dxdt[w2] * t * t;
   auto l = s.sling_length() + 0 * t;
   if constexpr (E.elastic) l = l + s.x[stretching] * t + 0.5 * dxdt[stretching] * t * t;
-  return places(s.design, q1, q2, l);
+  return positions(s.design, q1, q2, l);
 }
 
 }  // namespace
 
-TEST_CASE("Kinetic less potential energy is the Lagrangian") {
+TEST_CASE("Kinetic minus potential energy is the Lagrangian") {
   for_all_effects([]<Effects E>() {
     std::mt19937 random(1);
     for (int i = 0; i < 100; ++i) {
@@ -40,7 +40,7 @@ TEST_CASE("Kinetic less potential energy is the Lagrangian") {
   });
 }
 
-TEST_CASE("The energy's rate is what friction takes") {
+TEST_CASE("The energy decreases at the rate of the dissipation") {
   for_all_effects([]<Effects E>() {
     std::mt19937 random(4);
     for (int i = 0; i < 300; ++i) {
@@ -62,7 +62,7 @@ TEST_CASE("The energy's rate is what friction takes") {
   });
 }
 
-TEST_CASE("Places, speed and pull of the sling follow from the projectile's path") {
+TEST_CASE("Positions, speed and sling tension follow from the path of the projectile") {
   for_all_effects([]<Effects E>() {
     std::mt19937 random(2);
     for (int i = 0; i < 100; ++i) {
@@ -77,7 +77,7 @@ TEST_CASE("Places, speed and pull of the sling follow from the projectile's path
       const double speed = std::hypot(at.x3.derivative(1), at.y3.derivative(1));
       REQUIRE(mechanism.speed(s.x) == Approx(speed).epsilon(1e-12));
 
-      // Newton: m3 a = weight + pull along the sling, towards the arm's tip.
+      // Newton: m3 a = weight + tension along the sling, towards the arm's tip.
       const double m3 = s.scene.projectile_mass;
       const double fx = m3 * at.x3.derivative(2);
       const double fy = m3 * (at.y3.derivative(2) + s.scene.gravity);
@@ -91,13 +91,13 @@ TEST_CASE("Places, speed and pull of the sling follow from the projectile's path
       if (s.scene.sling_mass == 0) {
         REQUIRE(std::abs(fx * sx + fy * sy - loads.projectile_tension) < 1e-9 * scale);
         REQUIRE(std::abs(loads.tip_tension - loads.projectile_tension) < 1e-9 * scale);
-        REQUIRE(std::abs(fx * sy - fy * sx) < 1e-9 * scale);  // nothing across it
+        REQUIRE(std::abs(fx * sy - fy * sx) < 1e-9 * scale);  // no transverse force
       }
     }
   });
 }
 
-TEST_CASE("The axle bears what all masses' accelerations ask for") {
+TEST_CASE("The axle load is the sum of weights and inertial forces of all masses") {
   for_all_effects([]<Effects E>() {
     std::mt19937 random(5);
     for (int i = 0; i < 100; ++i) {
@@ -123,7 +123,7 @@ TEST_CASE("The axle bears what all masses' accelerations ask for") {
 }
 
 TEST_CASE("The bending moment balances on both sides of the fulcrum") {
-  // A pivot without friction passes no torque: what bends the throwing arm bends the other one.
+  // A frictionless pivot transmits no torque, so that the bending moments of both arms are equal.
   std::mt19937 random(6);
   for (int i = 0; i < 100; ++i) {
     auto s = random_sample<Effects{}>(random);
@@ -141,7 +141,7 @@ TEST_CASE("The bending moment balances on both sides of the fulcrum") {
   }
 }
 
-TEST_CASE("A beam at rest, held level by its weights, bends as a cantilever does") {
+TEST_CASE("A horizontal beam in equilibrium bends like a cantilever") {
   Scene scene;
   scene.beam_density = 0;
   const Mechanism<double> mechanism(scene, {1, 1, 2});
@@ -153,8 +153,7 @@ TEST_CASE("A beam at rest, held level by its weights, bends as a cantilever does
   CHECK(loads.beam_stress == Approx(6 * 100 * 9.8 * 2 / 1e-3));
 }
 
-TEST_CASE(
-    "The sling ties the projectile to the arm, and the arm the counterweight to the fulcrum") {
+TEST_CASE("Sling and arms have their lengths in every state") {
   std::mt19937 random(3);
   for (int i = 0; i < 100; ++i) {
     const auto s = random_sample<Effects{}>(random);
@@ -168,7 +167,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("A swing starts at rest with the counterweight at its height") {
+TEST_CASE("A swing starts at rest with the counterweight at height h") {
   for (const double h : {1.0, 1.4, 1.5, 1.7, 2.0}) {
     Scene scene;
     scene.release_height = h;
@@ -182,13 +181,13 @@ TEST_CASE("A swing starts at rest with the counterweight at its height") {
   }
 }
 
-TEST_CASE("A counterweight that starts at its lowest point, but for rounding, starts at pi") {
+TEST_CASE("A counterweight that starts at its lowest point up to rounding starts at phi1 = pi") {
   Scene scene;
   scene.release_height = 1.4;  // 1.4 - 1.5 is not quite -0.1
   CHECK(start<double>(scene, {0.1, 0.5, 0.9})[phi1] == Approx(3.14159265358979));
 }
 
-TEST_CASE("The start keeps its digits beside the upright position") {
+TEST_CASE("The initial angle is accurate near the upright position") {
   const Scene scene;  // h - h0 = 0.5
   for (const double above : {1e-3, 1e-6, 1e-9}) {
     const double r1 = 0.5 + above;

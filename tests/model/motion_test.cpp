@@ -9,8 +9,8 @@ namespace autodiff = boost::math::differentiation;
 
 namespace {
 
-/// The accelerations by Lagrange: sum_j L_{v_i v_j} a_j = Q_i + L_{q_i} - sum_j L_{v_i q_j} v_j,
-/// with the derivatives by automatic differentiation; of phi1, phi2 and the sling's length.
+/// The accelerations of phi1, phi2 and the sling's length by Lagrange: sum_j L_{v_i v_j} a_j = Q_i
+/// + L_{q_i} - sum_j L_{v_i q_j} v_j, with derivatives by automatic differentiation.
 template <Effects E>
 std::array<double, 3> accelerations(const Sample<E>& sample) {
   const auto& x = sample.x;
@@ -41,7 +41,8 @@ std::array<double, 3> accelerations(const Sample<E>& sample) {
       if (j < n) m[i][j] = derivative(vv);
     }
   }
-  for (std::size_t i = 0; i < n; ++i)  // Gauss and Jordan; the mass matrix is positive definite
+  for (std::size_t i = 0; i < n;
+       ++i)  // Gauss-Jordan elimination; the mass matrix is positive definite
     for (std::size_t k = 0; k < n; ++k) {
       if (k == i) continue;
       const double factor = m[k][i] / m[i][i];
@@ -54,15 +55,14 @@ std::array<double, 3> accelerations(const Sample<E>& sample) {
 
 }  // namespace
 
-TEST_CASE(
-    "The equations of motion are those of the Lagrangian, with every combination of effects") {
+TEST_CASE("The equations of motion are those of the Lagrangian for every combination of effects") {
   for_all_effects([]<Effects E>() {
     std::mt19937 random(20100101);
     for (int i = 0; i < 1000; ++i) {
       const auto sample = random_sample<E>(random);
       const auto dxdt = rates(sample);
       const auto expected = accelerations(sample);
-      // Terms cancel at some states: measure against the largest thing that can.
+      // Terms cancel in some states, so that errors are relative to the largest term.
       const double force = sample.tension() / sample.scene.projectile_mass;
       const double scale = 1 + force + std::abs(expected[0]) + std::abs(expected[1]);
       REQUIRE(dxdt[phi1] == sample.x[w1]);
@@ -77,7 +77,7 @@ TEST_CASE(
   });
 }
 
-TEST_CASE("Dry friction holds a beam at rest against a smaller torque, and slows one that turns") {
+TEST_CASE("Dry friction holds a beam at rest against a smaller torque and slows a rotating one") {
   constexpr Effects E{true, false};
   Scene scene;
   const Design<double> design{0.51, 0.58, 0.91};
@@ -89,7 +89,7 @@ TEST_CASE("Dry friction holds a beam at rest against a smaller torque, and slows
   };
   const double free = acceleration(0, 0);
   REQUIRE(free > 0);
-  // The torque on the beam at rest is its acceleration times what it moves.
+  // At rest, the torque on the beam is its acceleration times the moment of inertia.
   const double inertia = 1 / (acceleration(0, 1) - acceleration(1, 1));
   const double torque = free * inertia;
   CHECK(acceleration(1.001 * torque, 0) == 0);
@@ -98,7 +98,7 @@ TEST_CASE("Dry friction holds a beam at rest against a smaller torque, and slows
   CHECK(acceleration(100, -0.1) > acceleration(0, -0.1));
 }
 
-TEST_CASE("A sling that is not stretched does not pull") {
+TEST_CASE("An elastic sling that is not stretched has no tension") {
   constexpr Effects E{false, true};
   Scene scene;
   scene.sling_stiffness = 1e5;

@@ -6,7 +6,7 @@
 
 using namespace trebsweep;
 
-TEST_CASE("A NaN in a step's end or error makes the step no good") {
+TEST_CASE("A NaN at the end of a step or in its error rejects the step") {
   Instant<double> from{}, to{};
   to.t = 0.1;
   State<double> error{};
@@ -27,7 +27,7 @@ TEST_CASE("A NaN in a step's end or error makes the step no good") {
   CHECK_FALSE(is_good());
 }
 
-TEST_CASE("The error ratio is the largest over the coordinates, in units of what is allowed") {
+TEST_CASE("The error ratio is the largest ratio of error to allowed error over the coordinates") {
   const Instant<double> from{0, {1, 0, 0, 3}, {}, {0, 2, 0, 0}}, to{};
   for (std::size_t i = 0; i < 4; ++i) {
     State<double> error{1e-12, 1e-12, 1e-12, 1e-12};
@@ -38,7 +38,7 @@ TEST_CASE("The error ratio is the largest over the coordinates, in units of what
   }
 }
 
-TEST_CASE("The step's factor aims at the tolerance and stays between a fifth and five") {
+TEST_CASE("The step factor aims at the tolerance and stays between 1/5 and 5") {
   const auto factor = [](double ratio, int order) {
     return step_factor(ErrorRatio<double>{ratio, 1}, order);
   };

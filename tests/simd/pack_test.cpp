@@ -69,8 +69,8 @@ TEST_CASE("Sine and cosine are within 2 ULP") {
       const double x = std::uniform_real_distribution<double>(-range, range)(random);
       const double near = std::uniform_real_distribution<double>(-0.01, 0.01)(random);
       check(x);
-      check(std::round(x / eighth) * eighth + near * near);   // about the zeros
-      check((std::floor(x / eighth) + 0.5) * eighth + near);  // where the table's value changes
+      check(std::round(x / eighth) * eighth + near * near);   // near the zeros
+      check((std::floor(x / eighth) + 0.5) * eighth + near);  // where the table index changes
     }
   CHECK(worst <= 2);
   CHECK(worst > 0.4);

@@ -39,7 +39,7 @@ SwingResult shoot(const std::string& name) {
   return shoot(job, solver_of("dopri5", 1e-11, job.solver));
 }
 
-/// The scenes that physics denies a release.
+/// The scenes that physically have no release.
 bool is_released_in_truth(const std::string& name) {
   return name != "upright" && name != "heavy_projectile" && name != "balance" &&
          name != "heavy_beam" && name != "dry_pivot" && name != "viscous_pivot" &&
@@ -55,7 +55,9 @@ std::vector<std::string> names() {
 
 }  // namespace
 
-TEST_CASE("Every stepper gives extreme scenes the outcome that physics demands, or says why not") {
+TEST_CASE(
+    "Every stepper finds the physical outcome of extreme scenes, or a status that explains why "
+    "not") {
   CHECK(names().size() == 29);
   for (const std::string& name : names()) {
     const Job job = extreme(name);
@@ -70,7 +72,7 @@ TEST_CASE("Every stepper gives extreme scenes the outcome that physics demands, 
       CHECK(result.steps <= job.solver.max_steps);
       CHECK(std::isnan(result.speed) == !has_speed(result.status));
       if (!is_released_in_truth(name)) CHECK_FALSE(has_speed(result.status));
-      if (!adaptive) continue;  // its step may be too long for the scene: an overflow, or an error
+      if (!adaptive) continue;  // its step may be too long for the scene
       REQUIRE(result.status == truth.status);
       if (has_speed(result.status))
         CHECK(result.speed == Approx(truth.speed).epsilon(1e-6).margin(1e-9));
@@ -78,12 +80,12 @@ TEST_CASE("Every stepper gives extreme scenes the outcome that physics demands, 
   }
 }
 
-TEST_CASE("A sling of a millimetre shoots as other programs say") {
+TEST_CASE("The speed with a sling of 1 mm agrees with other programs") {
   CHECK(shoot("sling_1mm").speed == Approx(7.44223).margin(1e-5));
   CHECK(shoot("sling_1mm").release_time == Approx(0.899289578).margin(1e-8));
 }
 
-TEST_CASE("Speeds go with the root of gravity, times against it") {
+TEST_CASE("Speeds scale with the square root of gravity, times with its inverse") {
   const SwingResult earth = shoot("narrow_window");  // the paper's optimum
   for (const auto& [name, gravity] : {std::pair("moon", 1.62), std::pair("strong_gravity", 1e4)}) {
     const double ratio = std::sqrt(gravity / 9.8);
@@ -92,7 +94,7 @@ TEST_CASE("Speeds go with the root of gravity, times against it") {
   }
 }
 
-TEST_CASE("With a projectile of a milligram the beam is a physical pendulum") {
+TEST_CASE("With a projectile of 1 mg the beam is a physical pendulum") {
   const Job job = extreme("light_projectile");
   const Mechanism<double> mechanism(job.scene, design_of(job));
   const double torque = job.scene.gravity * mechanism.moment(), inertia = mechanism.inertia();
@@ -102,13 +104,13 @@ TEST_CASE("With a projectile of a milligram the beam is a physical pendulum") {
         Approx(boost::math::ellint_1(k) / std::sqrt(torque / inertia)).epsilon(1e-8));
 }
 
-TEST_CASE("Near the upright, the release is put off by the logarithm of the distance") {
+TEST_CASE("Near the upright position, the release is delayed by the logarithm of the distance") {
   const Job job = extreme("upright_1nm");
   const auto spectrum = spectra(job.scene, design_of(job), job.solver).front();
-  double fastest = 0;  // 1/s: of what grows away from the upright
+  double fastest = 0;  // 1/s: growth rate of the unstable mode
   for (const auto& eigenvalue : spectrum.eigenvalues)
     fastest = std::max(fastest, eigenvalue.real());
-  // The angle goes with the root of the distance.
+  // The angle is proportional to the square root of the distance.
   const double later = std::log(std::sqrt(1e3)) / fastest;
   CHECK(shoot("upright_1nm").release_time - shoot("upright_1um").release_time ==
         Approx(later).epsilon(1e-3));
@@ -116,17 +118,15 @@ TEST_CASE("Near the upright, the release is put off by the logarithm of the dist
         Approx(later).epsilon(0.02));
 }
 
-TEST_CASE("As the throwing arm vanishes, so does the speed") {
-  CHECK(shoot("short_arm").speed < 1e-4);
-}
+TEST_CASE("The speed vanishes with the throwing arm") { CHECK(shoot("short_arm").speed < 1e-4); }
 
-TEST_CASE("The stiffest slings shoot like rigid ones") {
+TEST_CASE("The speed with the stiffest slings is that of a rigid one") {
   const double rigid = shoot("narrow_window").speed;
   CHECK(shoot("elastic_1e9").speed == Approx(rigid).margin(3e-4));
   CHECK(shoot("elastic_1e9_damped").speed == Approx(rigid).margin(3e-4));
 }
 
-TEST_CASE("Euler's steps that are far too long end in a status, or are seen to be wrong") {
+TEST_CASE("Far too long steps of euler end in a status or a large error") {
   const Job job = extreme("long_steps");
   const double truth = shoot("long_steps").speed;
   const SwingResult crossing = shoot(job, solver_of("euler", job.solver.time_step, job.solver));
@@ -134,7 +134,7 @@ TEST_CASE("Euler's steps that are far too long end in a status, or are seen to b
   CHECK(shoot(job, job.solver).status == Status::non_finite);
 }
 
-TEST_CASE("The paper's rule misses a release in a window narrower than a step") {
+TEST_CASE("The paper's rule misses a release if the window is narrower than a step") {
   const Job job = extreme("narrow_window");
   CHECK(shoot(job, job.solver).status == Status::not_released);
   CHECK(shoot(job, solver_of("euler", 0.01, job.solver)).status == Status::released);

@@ -7,7 +7,7 @@
 
 using namespace trebsweep;
 
-TEST_CASE("References are the numbers that other programs agree on") {
+TEST_CASE("References agree with other programs") {
   Scene scene;
   scene.gravity = 9.81;
   const Reference r = reference(scene, {0.75, 3, 4}, paper_solver());

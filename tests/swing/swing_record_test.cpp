@@ -39,11 +39,11 @@ std::vector<double> shoot(const Scene& scene, const std::vector<Field>& fields,
 }  // namespace
 
 TEST_CASE("A peak is the maximum of the interpolating polynomial, or the largest sample") {
-  constexpr std::array<double, 4> places{0, 0.3, 0.6, 1};
+  constexpr std::array<double, 4> nodes{0, 0.3, 0.6, 1};
   const auto peak_of = [&](auto f) {
     std::array<double, 4> values;
-    std::transform(places.begin(), places.end(), values.begin(), f);
-    return peak(places, values);
+    std::transform(nodes.begin(), nodes.end(), values.begin(), f);
+    return peak(nodes, values);
   };
   CHECK(peak_of([](double x) { return 3 - (x - 0.4) * (x - 0.4); }) == Approx(3));
   CHECK(peak_of([](double x) { return x * (1 - x * x); }) == Approx(2 / std::sqrt(27)));

@@ -58,7 +58,7 @@ inline constexpr auto stepper_names = [] {
   return names;
 }();
 
-/// The stepper of that name. Throws std::logic_error where there is none.
+/// The stepper of that name. Throws std::logic_error if it is unknown.
 constexpr const StepperInfo& info_of_stepper(std::string_view name) {
   const auto found = std::find(stepper_names.begin(), stepper_names.end(), name);
   if (found == stepper_names.end())

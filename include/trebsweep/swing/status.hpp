@@ -6,20 +6,19 @@
 
 namespace trebsweep {
 
-/// What became of a design, as stored in the status map; 0 is the map's fill value.
+/// The outcome of a design, as stored in the status map; 0 is the fill value of the map.
 enum class Status : std::uint8_t {
-  outside_lattice,       ///< no design of the lattice
-  released,              ///< a shot
-  not_released,          ///< the time limit came first
-  unreachable_start,     ///< r1 < |h - h0|: the arm cannot hold the counterweight at its height
-  step_budget,           ///< max-steps were tried before the release or the time limit
-  step_underflow,        ///< the tolerance asked for a step too short to advance the clock
-  non_finite,            ///< the state overflowed or became undefined
-  released_below_ground  ///< a shot, but from below the ground: told apart where a range is asked
-                         ///< for
+  outside_lattice,       ///< not a design of the lattice
+  released,              ///< has a release
+  not_released,          ///< no release before max-time
+  unreachable_start,     ///< r1 < |h - h0|: the arm does not reach the start height
+  step_budget,           ///< neither a release nor max-time within max-steps
+  step_underflow,        ///< the tolerance requires steps too short to change the time
+  non_finite,            ///< the state became infinite or NaN
+  released_below_ground  ///< has a release below the ground; only if the field range is requested
 };
 
-/// Whether a design with that status has a speed.
+/// Whether designs with that status have a release and a speed.
 inline constexpr bool has_speed(Status status) {
   return status == Status::released || status == Status::released_below_ground;
 }
