@@ -7,8 +7,9 @@ cd "$(dirname "$0")/.."
 packages=(cmake g++ libboost-dev libboost-program-options-dev libeigen3-dev libfmt-dev libhdf5-openmpi-dev
           libopenmpi-dev ninja-build openmpi-bin python3-h5py python3-matplotlib python3-numpy)
 options=(-DTREBSWEEP_TESTS=OFF) # the rest of an earlier configuration stays: no rebuild
+[[ -e build/release/CMakeCache.txt ]] || options+=(-DTREBSWEEP_INSTRUCTION_SETS=native)
 if [[ ${1:-} == --tests ]]; then
-  options=(-DTREBSWEEP_TESTS=ON -DTREBSWEEP_WERROR=ON)
+  options=(-DTREBSWEEP_TESTS=ON -DTREBSWEEP_WERROR=ON -DTREBSWEEP_INSTRUCTION_SETS=all)
   packages+=(catch2 libgsl-dev libsundials-dev python3-h5netcdf python3-netcdf4 python3-xarray)
 fi
 

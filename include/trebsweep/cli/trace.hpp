@@ -4,17 +4,19 @@
 #include <optional>
 
 #include "trebsweep/job/job.hpp"
-#include "trebsweep/swing/swings.hpp"
+#include "trebsweep/swing/status.hpp"
 
 namespace trebsweep {
 
-/// Prints one swing as a table: a header line, then a row per `interval` (s) from the start on, and
-/// the swing's last moment. Without an interval: a row per step of a fixed stepper, else 0.01 s.
+/// Prints one swing as a table: comments with the heights and the rule of release, a header line, a
+/// row per `interval` (s) from the start, and the end of the swing. The default interval is the step
+/// of a fixed-step method, else 0.01 s.
 ///
-/// Columns: t (s); phi1, phi2 (rad) and their rates w1, w2 (rad/s); x and y (m, from the fulcrum)
-/// of the counterweight (1), the throwing arm's tip (t) and the projectile (3); the projectile's
-/// speed (m/s); the energy (J); the tension of the sling (N). Returns how the swing ended. Throws
-/// InputError where r1 cannot reach the start.
+/// Columns: t (s); phi1 and phi2 (rad), their rates w1 and w2 (rad/s); x1 y1, xt yt and x3 y3 (m, from
+/// the fulcrum) of counterweight, tip of the throwing arm and projectile; speed of the projectile
+/// (m/s); energy (J); tension of the sling at the projectile and tip_tension at the arm (N); force on
+/// the axle (N); bending stress of the beam at the fulcrum (Pa). Returns the outcome of the swing.
+/// Throws InputError if r1 does not reach the start height, or the interval is too short.
 Status trace(const Job& job, const Design<double>& design, std::optional<double> interval,
              std::FILE* out);
 
