@@ -9,10 +9,13 @@ template <Effects E>
 Outcome<double, E> swing(const Scene& scene, const Design<double>& design, const Solver& solver,
                          const Observer<E>& observe, std::span<const Field> fields,
                          std::span<double> values) {
+  const auto observe_if_given = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
+    if (observe) observe(from, to);
+  };
   return with_stepper(
       solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-        return swing_by<Stepper<double, E>, double, E>(scene, design, solver, observe, fields,
-                                                       values);
+        return swing_by<Stepper<double, E>, double, E>(scene, design, solver, observe_if_given,
+                                                       fields, values);
       });
 }
 
