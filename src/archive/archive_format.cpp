@@ -1,6 +1,10 @@
 #include "trebsweep/archive/archive_format.hpp"
 
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <ctime>
 #include <stdexcept>
 
 #include "trebsweep/archive/hdf5.hpp"
@@ -11,6 +15,11 @@ std::string dataset_name(Field field) {
   std::string name(info(field).name);
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
+}
+
+std::string history_line(const std::string& command, std::uint64_t ranks) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {} ({} ranks)", fmt::gmtime(std::time(nullptr)),
+                     command, ranks);
 }
 
 void write_attributes(hid_t file, const Attributes& attributes) {

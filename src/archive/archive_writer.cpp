@@ -10,9 +10,9 @@ namespace {
 
 using hdf5::check;
 
-/// Filtered datasets want collective writes. Each rank's data, whole chunks, go to the file by its
-/// own hand all the same: gathered by an aggregator, they take longer, and Open MPI 4.1 has been
-/// seen to lose its failures, such as a full disk.
+/// HDF5 requires collective writes for compressed datasets. Below it each rank writes its own data,
+/// whole chunks, independently: collecting them on aggregator ranks takes longer, and Open MPI 4.1
+/// does not always report an aggregator's failures, such as a full disk.
 hdf5::Properties collective_transfer() {
   const std::string what = "set up collective writing";
   hdf5::Properties transfer(H5Pcreate(H5P_DATASET_XFER), what);
@@ -24,17 +24,18 @@ hdf5::Properties collective_transfer() {
 template <class Number>
 void write_numbers(hid_t dataset, hid_t memory_type, hid_t memory, hid_t file, hid_t transfer,
                    const std::vector<double>& values) {
-  // Converted here: HDF5 turns a collective write that converts types into an independent one.
+  // Converted here because HDF5 makes a collective write independent if it has to convert types.
   const std::vector<Number> numbers(values.begin(), values.end());
   check(H5Dwrite(dataset, memory_type, memory, file, transfer, numbers.data()), "write a map");
 }
 
-/// Writes rows of a dataset of a row per tile, by one rank alone.
+/// Writes rows of a dataset that has one row per tile; called by one rank.
 void write_rows(hid_t dataset, std::uint64_t first, std::size_t count, std::size_t columns,
                 hid_t type, const void* rows) {
   const std::string what = "mark tiles done";
   const hdf5::Dataspace file(H5Dget_space(dataset), what);
-  const std::array<hsize_t, 2> start{first, 0}, extent{count, columns};  // or the first of each
+  // A dataset of rank 1 uses only the first element of each.
+  const std::array<hsize_t, 2> start{first, 0}, extent{count, columns};
   check(H5Sselect_hyperslab(file, H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr),
         what);
   const hsize_t values = count * columns;
@@ -60,10 +61,10 @@ void ArchiveWriter::write_maps(const std::optional<Tile>& tile,
   for (std::size_t m = 0; m < maps_.size(); ++m) {
     const Map& map = maps_[m];
     const hdf5::Dataspace file(H5Dget_space(map.dataset), "write a map");
-    // Of the file's shape: HDF5 maps other shapes to chunks value by value.
+    // Of the same rank as the file's: otherwise HDF5 maps the selection to chunks value by value.
     const auto extent = sizes(tile ? tile->count : Index3{1, 1, 1});
     const hdf5::Dataspace memory(H5Screate_simple(3, extent.data(), nullptr), "write a map");
-    static const std::vector<double> nothing;
+    static const std::vector<double> no_values;
     if (tile) {
       const auto first = sizes(tile->first);
       check(
@@ -73,7 +74,7 @@ void ArchiveWriter::write_maps(const std::optional<Tile>& tile,
       check(H5Sselect_none(file), "write a map");
       check(H5Sselect_none(memory), "write a map");
     }
-    const std::vector<double>& values = tile ? maps[m] : nothing;
+    const std::vector<double>& values = tile ? maps[m] : no_values;
     switch (map.type) {
       case MapType::float64:
         write_numbers<double>(map.dataset, H5T_NATIVE_DOUBLE, memory, file, collective_, values);
@@ -91,16 +92,16 @@ void ArchiveWriter::write_maps(const std::optional<Tile>& tile,
 
 void ArchiveWriter::write(const std::optional<Tile>& tile,
                           std::span<const std::vector<double>> maps) {
-  write_in(partial_path(path_), [&] { write_maps(tile, maps); });
+  write_partial(partial_path(path_), [&] { write_maps(tile, maps); });
 }
 
-void ArchiveWriter::mark_done(std::uint64_t first, std::span<const TallyRow> tallies) {
-  write_in(partial_path(path_), [&] {
+void ArchiveWriter::checkpoint(std::uint64_t first, std::span<const TallyRow> tallies) {
+  write_partial(partial_path(path_), [&] {
     const bool root = mpi::rank(comm_) == 0;
     if (root)
       write_rows(*tile_tally_, first, tallies.size(), tally_columns.size(), H5T_NATIVE_DOUBLE,
                  tallies.data());
-    // Without this flush a killed run leaves tiles marked whose data never reached the disk.
+    // Data and tallies must be in the file before the marks.
     flush();
     const std::vector<unsigned char> done(tallies.size(), 1);
     if (root) write_rows(*tile_done_, first, done.size(), 1, H5T_NATIVE_UCHAR, done.data());
@@ -109,13 +110,13 @@ void ArchiveWriter::mark_done(std::uint64_t first, std::span<const TallyRow> tal
 }
 
 void ArchiveWriter::write(const Attributes& attributes) {
-  write_in(partial_path(path_), [&] { write_attributes(*file_, attributes); });
+  write_partial(partial_path(path_), [&] { write_attributes(*file_, attributes); });
 }
 
-void ArchiveWriter::flush() { check(H5Fflush(*file_, H5F_SCOPE_GLOBAL), "flush what was written"); }
+void ArchiveWriter::flush() { check(H5Fflush(*file_, H5F_SCOPE_GLOBAL), "flush the file"); }
 
 void ArchiveWriter::close() {
-  write_in(partial_path(path_), [&] {
+  write_partial(partial_path(path_), [&] {
     flush();
     tile_done_.reset();
     tile_tally_.reset();

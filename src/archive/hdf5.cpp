@@ -7,8 +7,8 @@
 namespace trebsweep::hdf5 {
 namespace {
 
-/// Keeps the innermost message of the error stack: the cause.
-herr_t remember_cause(unsigned n, const H5E_error2_t* error, void* reason) {
+/// Stores the innermost message of the error stack, which is the cause.
+herr_t store_cause(unsigned n, const H5E_error2_t* error, void* reason) {
   if (n == 0 && error->desc) *static_cast<std::string*>(reason) = error->desc;
   return 0;
 }
@@ -16,10 +16,10 @@ herr_t remember_cause(unsigned n, const H5E_error2_t* error, void* reason) {
 void write(hid_t object, const std::string& name, hid_t type, const void* value) {
   const std::string what = "write attribute " + name;
   const Dataspace space(H5Screate(H5S_SCALAR), what);
-  const bool there = check(H5Aexists(object, name.c_str()), what) > 0;
+  const bool exists = check(H5Aexists(object, name.c_str()), what) > 0;
   const Attribute attribute(
-      there ? H5Aopen(object, name.c_str(), H5P_DEFAULT)
-            : H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
+      exists ? H5Aopen(object, name.c_str(), H5P_DEFAULT)
+             : H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
       what);
   check(H5Awrite(attribute, type, value), what);
 }
@@ -32,11 +32,11 @@ void silence() {
 
 void fail(const std::string& what) {
   std::string reason;
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, remember_cause, &reason);
-  // Where the system is the cause, its own words say all.
-  const std::string_view system = "error message = '";
-  if (const auto start = reason.find(system); start != reason.npos) {
-    reason.erase(0, start + system.size());
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, store_cause, &reason);
+  // Of an error of the operating system, keep only its own message.
+  const std::string_view system_message = "error message = '";
+  if (const auto start = reason.find(system_message); start != reason.npos) {
+    reason.erase(0, start + system_message.size());
     reason.erase(std::min(reason.find('\''), reason.size()));
   }
   throw std::runtime_error("cannot " + what + (reason.empty() ? "" : ": " + reason));
@@ -106,7 +106,7 @@ std::vector<std::string> link_names(hid_t group) {
 }
 
 std::vector<hsize_t> extents(hid_t dataset) {
-  const Dataspace space(H5Dget_space(dataset), "ask for the extents of a dataset");
+  const Dataspace space(H5Dget_space(dataset), "read the extents of a dataset");
   const int rank = H5Sget_simple_extent_ndims(space);
   std::vector<hsize_t> extents(static_cast<std::size_t>(std::max(rank, 0)));
   if (rank > 0) H5Sget_simple_extent_dims(space, extents.data(), nullptr);
@@ -121,7 +121,7 @@ std::vector<double> read_numbers(hid_t file, const std::string& name) {
   const hssize_t count = H5Sget_simple_extent_npoints(space);
   hsize_t bytes = 0;
   check(H5Fget_filesize(file, &bytes), what);
-  // A damaged extent must not ask for more memory than the file could fill.
+  // A damaged extent must not make us allocate more memory than the file could fill.
   if (count < 0 || static_cast<hsize_t>(count) > bytes / std::max<hsize_t>(1, H5Tget_size(type)))
     throw std::runtime_error("cannot " + what + ": larger than the file");
   std::vector<double> values(static_cast<std::size_t>(count));

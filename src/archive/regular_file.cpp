@@ -17,7 +17,7 @@ std::optional<std::string> irregular_kind(const fs::file_status& status) {
     case fs::file_type::regular:
       return std::nullopt;
     case fs::file_type::directory:
-      return "a folder";
+      return "a directory";
     case fs::file_type::symlink:
       return "a symbolic link";
     case fs::file_type::fifo:
@@ -28,29 +28,29 @@ std::optional<std::string> irregular_kind(const fs::file_status& status) {
     case fs::file_type::character:
       return "a device";
     default:
-      return "no regular file";
+      return "not a regular file";
   }
 }
 
 std::optional<std::string> irregular_kind(const fs::path& path) {
-  std::error_code unknown;  // then opening it tells why
-  return irregular_kind(fs::status(path, unknown));
+  std::error_code ignored;  // opening the file will report it
+  return irregular_kind(fs::status(path, ignored));
 }
 
 std::string file_identity(const fs::path& path) {
-  struct stat found {};
-  if (stat(path.c_str(), &found) == 0)
-    return fmt::format("inode {}, {} bytes, changed at {}.{:09}", found.st_ino, found.st_size,
-                       found.st_mtim.tv_sec, found.st_mtim.tv_nsec);
+  struct stat status {};
+  if (stat(path.c_str(), &status) == 0)
+    return fmt::format("inode {}, {} bytes, changed at {}.{:09}", status.st_ino, status.st_size,
+                       status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
   if (errno == ENOENT) return "";
   throw std::system_error(errno, std::generic_category(), path.string());
 }
 
 fs::path follow_links(fs::path path) {
-  constexpr int most = 40;  // as Linux does
-  std::error_code unknown;
-  for (int links = 0; fs::is_symlink(fs::symlink_status(path, unknown)); ++links) {
-    if (links == most)
+  constexpr int max_links = 40;  // the limit of Linux
+  std::error_code ignored;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(path, ignored)); ++links) {
+    if (links == max_links)
       throw std::system_error(std::make_error_code(std::errc::too_many_symbolic_link_levels),
                               path.string());
     path = path.parent_path() / fs::read_symlink(path);

@@ -15,7 +15,7 @@ namespace trebsweep {
 namespace {
 
 hdf5::Dataset open_or_create(hid_t file) {
-  const std::string what = "mark the file as this run's";
+  const std::string what = "write run_id";
   if (hdf5::check(H5Lexists(file, "run_id", H5P_DEFAULT), what) > 0)
     return {H5Dopen2(file, "run_id", H5P_DEFAULT), what};
   const hdf5::Dataspace space(H5Screate(H5S_SCALAR), what);
@@ -33,43 +33,43 @@ std::uint64_t random_number() {
   return std::uint64_t{device()} << 32 | device();
 }
 
-/// Whether the path names the marked file, with its mark. Opened each time, so that a network file
-/// system looks at the server.
-bool is_marked(const RunId& mark, const std::filesystem::path& path) {
+/// Whether the path names the file with this id. The file is opened each time, so that a network
+/// file system asks the server.
+bool has_run_id(const RunId& run_id, const std::filesystem::path& path) {
   const int file = open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return false;
   struct stat found {};
   unsigned char bytes[8];  // little-endian, as in the file
   const bool read = fstat(file, &found) == 0 &&
-                    pread(file, bytes, sizeof bytes, static_cast<off_t>(mark.offset)) ==
+                    pread(file, bytes, sizeof bytes, static_cast<off_t>(run_id.offset)) ==
                         static_cast<ssize_t>(sizeof bytes);
   close(file);
   if (!read) return false;
   std::uint64_t id = 0;
   for (int i = 7; i >= 0; --i) id = id << 8 | bytes[i];
-  return id == mark.id && found.st_dev == mark.device && found.st_ino == mark.inode;
+  return id == run_id.id && found.st_dev == run_id.device && found.st_ino == run_id.inode;
 }
 
 }  // namespace
 
 RunId write_run_id(hid_t file, const std::filesystem::path& path) {
-  const std::string what = "mark the file as this run's";
+  const std::string what = "write run_id";
   const hdf5::Dataset dataset = open_or_create(file);
-  RunId mark{};
-  mark.id = random_number();
-  const unsigned long long id = mark.id;
+  RunId run_id{};
+  run_id.id = random_number();
+  const unsigned long long id = run_id.id;
   hdf5::check(H5Dwrite(dataset, H5T_NATIVE_ULLONG, H5S_ALL, H5S_ALL, H5P_DEFAULT, &id), what);
-  mark.offset = H5Dget_offset(dataset);
-  if (mark.offset == HADDR_UNDEF) hdf5::fail(what);
+  run_id.offset = H5Dget_offset(dataset);
+  if (run_id.offset == HADDR_UNDEF) hdf5::fail(what);
   struct stat found {};
   if (stat(path.c_str(), &found) != 0) throw std::runtime_error("cannot " + what);
-  mark.device = found.st_dev;
-  mark.inode = found.st_ino;
-  return mark;
+  run_id.device = found.st_dev;
+  run_id.inode = found.st_ino;
+  return run_id;
 }
 
-void check_run_id(const RunId& mark, const std::filesystem::path& path) {
-  if (!is_marked(mark, path))
+void check_run_id(const RunId& run_id, const std::filesystem::path& path) {
+  if (!has_run_id(run_id, path))
     throw std::runtime_error(fmt::format(
         "another run has taken over {}, or it was moved or cannot be read; this run ends",
         path.string()));

@@ -8,9 +8,9 @@
 #include <array>
 #include <numeric>
 
-#include "trebsweep/archive/empty_chunk.hpp"
 #include "trebsweep/archive/hdf5.hpp"
-#include "trebsweep/archive/summary.hpp"
+#include "trebsweep/archive/map_chunks.hpp"
+#include "trebsweep/archive/tally.hpp"
 
 namespace trebsweep {
 namespace {
@@ -52,48 +52,22 @@ hdf5::Dataset create_axis(hid_t file, const std::string& name, const std::string
   return axis;
 }
 
-/// Tells how many tiles of a map are done; returns whether to stop.
-using MapWatch = std::function<bool(std::uint64_t tiles)>;
-
-/// Writes a cell of the tiles [first, end) of a map, which allocates their chunks, and no others:
-/// chunks first allocated in parallel make HDF5 1.10 hang, if filtered, and else are all allocated.
-/// Returns false where `stop` asked for it.
-bool touch(hid_t dataset, double value, const Tiling& tiling, std::uint64_t first,
-           std::uint64_t end, const MapWatch& stop) {
-  const std::string what = "allocate a map";
-  const hdf5::Dataspace space(H5Dget_space(dataset), what);
-  // Many at a time: through MPI, every call of HDF5 1.10 clears a table of all chunks.
-  constexpr std::uint64_t most = 4096;
-  while (first < end) {
-    if (stop(first)) return false;
-    std::vector<std::array<hsize_t, 3>> places;
-    for (const std::uint64_t last = std::min(first + most, end); first < last; ++first)
-      places.push_back(sizes(tiling.tile(first).first));
-    check(H5Sselect_elements(space, H5S_SELECT_SET, places.size(), places.front().data()), what);
-    const hsize_t count = places.size();
-    const hdf5::Dataspace memory(H5Screate_simple(1, &count, nullptr), what);
-    const std::vector<double> values(places.size(), value);
-    check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()), what);
-  }
-  return true;
-}
-
 hdf5::Dataset create_map(hid_t file, const std::vector<hdf5::Dataset>& axes, const MapInfo& info,
                          const Skeleton& skeleton) {
   const std::string what = "create map " + info.dataset;
   const auto extent = sizes(skeleton.lattice.extent());
   const hdf5::Dataspace space(H5Screate_simple(3, extent.data(), nullptr), what);
-  const auto storage = map_storage(info, skeleton.tiling.edge(), skeleton.compression);
+  const auto properties = map_properties(info, skeleton.tiling.edge(), skeleton.compression);
   hdf5::Dataset dataset(H5Dcreate2(file, info.dataset.c_str(), file_type(info.type), space,
-                                   H5P_DEFAULT, storage, H5P_DEFAULT),
+                                   H5P_DEFAULT, properties, H5P_DEFAULT),
                         what);
   for (unsigned d = 0; d < 3; ++d) check(H5DSattach_scale(dataset, axes[d], d), what);
   hdf5::write_attribute(dataset, "long_name", info.long_name);
   if (!info.units.empty()) hdf5::write_attribute(dataset, "units", info.units);
   if (!info.ancillary.empty())
     hdf5::write_attribute(dataset, "ancillary_variables", info.ancillary);
-  // A _FillValue would make xarray turn the flags into floats; they have a value of their own for
-  // it.
+  // Flags have no _FillValue, which would make xarray convert them to floats: the flag 0 marks the
+  // cells outside the lattice.
   if (info.flag_meanings.empty())
     write_fill_attribute(dataset, info.type, info.fill);
   else
@@ -101,20 +75,7 @@ hdf5::Dataset create_map(hid_t file, const std::vector<hdf5::Dataset>& axes, con
   return dataset;
 }
 
-/// Allocates the chunks of a compressed map that hold designs; empty ones, compressed but once.
-bool allocate_compressed(hid_t dataset, const MapInfo& info, const Skeleton& skeleton,
-                         const MapWatch& stop) {
-  const Tiling& tiling = skeleton.tiling;
-  const auto storage = map_storage(info, tiling.edge(), skeleton.compression);
-  const auto bytes = empty_chunk(storage, info, tiling.edge());
-  for (std::uint64_t t = 0; t < tiling.size(); ++t) {
-    if (stop(t)) return false;
-    write_chunk(dataset, tiling.tile(t), bytes);
-  }
-  return true;
-}
-
-/// The dimensions of what is kept for each tile, in netCDF's own form of such without coordinates.
+/// A dimension without coordinates, in the form that netCDF-4 gives it.
 hdf5::Dataset create_dimension(hid_t file, const std::string& name, hsize_t count) {
   const std::string what = "create dimension " + name;
   const hdf5::Dataspace space(H5Screate_simple(1, &count, nullptr), what);
@@ -159,25 +120,37 @@ void create_tile_datasets(hid_t file, const Tiling& tiling) {
   hdf5::write_attribute(tallies, "columns", fmt::format("{}", fmt::join(tally_columns, " ")));
 }
 
-MapWatch map_watch(const Watch& watch, std::size_t map, const Skeleton& skeleton) {
-  const auto tiles = static_cast<double>(skeleton.tiling.size());
-  const auto maps = static_cast<double>(skeleton.maps.size());
-  return [=, before = static_cast<double>(map)](std::uint64_t done) {
-    return watch((before + static_cast<double>(done) / tiles) / maps);
+/// Progress over all maps, from the progress within one.
+ProgressCallback map_progress(const ProgressCallback& progress, std::size_t map, std::size_t maps) {
+  return [=](double fraction) {
+    return progress((static_cast<double>(map) + fraction) / static_cast<double>(maps));
   };
 }
 
-/// Creates the file, with the chunks of compressed maps and the first one of each other map.
-/// Returns the mark of this run, or nothing where it was stopped.
+/// Allocates all chunks of a compressed map, or the first chunk of an uncompressed one. Returns
+/// false if stopped.
+bool allocate_first(hid_t map, const MapInfo& info, const Skeleton& skeleton,
+                    const ProgressCallback& progress) {
+  const Tiling& tiling = skeleton.tiling;
+  if (skeleton.compression == 0)
+    return allocate_uncompressed(map, info.fill, tiling, 0, 1, progress);
+  const auto properties = map_properties(info, tiling.edge(), skeleton.compression);
+  return allocate_compressed(map, empty_chunk(properties, info, tiling.edge()), tiling, progress);
+}
+
+/// Creates the file, with all chunks of compressed maps and the first chunk of uncompressed ones.
+/// HDF5 1.10 hangs if the first chunk of a compressed map is allocated in parallel; if that of an
+/// uncompressed one is, it allocates the chunks without designs as well. Returns nothing if
+/// stopped.
 std::optional<RunId> create_file(const std::filesystem::path& path, const Skeleton& skeleton,
-                                 const Watch& watch) {
+                                 const ProgressCallback& progress) {
   const std::string what = "create " + path.string();
   const hdf5::Properties creation(H5Pcreate(H5P_FILE_CREATE), what);
-  // Space that was freed is never used again. A compressed chunk moves when it is written, and what
-  // a killed run leaves may still point to its old place: that must still be a chunk.
+  // Freed space is never reused. A compressed chunk moves when it is written, and the index that a
+  // killed run leaves may still hold its old address, which must still hold the old chunk.
   check(H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_NONE, false, 1), what);
   hdf5::File file(H5Fcreate(path.c_str(), H5F_ACC_EXCL, creation, H5P_DEFAULT), what);
-  check(H5Fflush(file, H5F_SCOPE_GLOBAL), what);  // its signature
+  check(H5Fflush(file, H5F_SCOPE_GLOBAL), what);  // writes the signature
   const auto& values = skeleton.lattice.axes();
   std::vector<hdf5::Dataset> axes;
   axes.push_back(create_axis(file, "r1", "length of the counterweight's arm", values[0]));
@@ -186,30 +159,29 @@ std::optional<RunId> create_file(const std::filesystem::path& path, const Skelet
   for (std::size_t m = 0; m < skeleton.maps.size(); ++m) {
     const MapInfo& info = skeleton.maps[m];
     const auto map = create_map(file, axes, info, skeleton);
-    const auto stop = map_watch(watch, m, skeleton);
-    if (!(skeleton.compression > 0 ? allocate_compressed(map, info, skeleton, stop)
-                                   : touch(map, info.fill, skeleton.tiling, 0, 1, stop)))
+    if (!allocate_first(map, info, skeleton, map_progress(progress, m, skeleton.maps.size())))
       return std::nullopt;
   }
   create_tile_datasets(file, skeleton.tiling);
-  const RunId mark = write_run_id(file, path);
+  const RunId run_id = write_run_id(file, path);
   write_attributes(file, skeleton.attributes);
   axes.clear();
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), what);
   file.close(what);
-  return mark;
+  return run_id;
 }
 
-/// Allocates the other chunks of maps that are not compressed. Through MPI, with which HDF5 does
-/// not fill a chunk first: one rank would else write the whole archive, while the others wait.
-bool allocate_plain(const std::filesystem::path& path, const Skeleton& skeleton,
-                    const Watch& watch) {
+/// Allocates the remaining chunks of uncompressed maps. Through the MPI driver, with which HDF5
+/// does not fill a chunk that it allocates: otherwise one rank would write the whole archive while
+/// the others wait. Returns false if stopped.
+bool allocate_rest(const std::filesystem::path& path, const Skeleton& skeleton,
+                   const ProgressCallback& progress) {
   hdf5::File file = hdf5::open_parallel(path, MPI_COMM_SELF);
   for (std::size_t m = 0; m < skeleton.maps.size(); ++m) {
     const MapInfo& info = skeleton.maps[m];
     const hdf5::Dataset map = hdf5::open_dataset(file, info.dataset);
-    if (!touch(map, info.fill, skeleton.tiling, 1, skeleton.tiling.size(),
-               map_watch(watch, m, skeleton)))
+    if (!allocate_uncompressed(map, info.fill, skeleton.tiling, 1, skeleton.tiling.size(),
+                               map_progress(progress, m, skeleton.maps.size())))
       return false;
   }
   file.close("close " + path.string());
@@ -218,22 +190,25 @@ bool allocate_plain(const std::filesystem::path& path, const Skeleton& skeleton,
 
 }  // namespace
 
-std::uintmax_t size_of(const Skeleton& skeleton) {
-  constexpr std::uintmax_t index_entry = 49;  // of a chunk, in full nodes of HDF5's B-tree
-  std::uintmax_t tile = 1 + sizeof(TallyRow), axes = 0;
+std::uintmax_t minimum_size(const Skeleton& skeleton) {
+  constexpr std::uintmax_t index_entry = 49;  // bytes per chunk in full nodes of HDF5's B-tree
+  const Index3& edge = skeleton.tiling.edge();
+  std::uintmax_t bytes_per_tile = 1 + sizeof(TallyRow);  // in tile_done and tile_tally
   for (const MapInfo& info : skeleton.maps) {
-    const auto storage = map_storage(info, skeleton.tiling.edge(), skeleton.compression);
-    tile += index_entry + empty_chunk(storage, info, skeleton.tiling.edge()).size();
+    const auto properties = map_properties(info, edge, skeleton.compression);
+    bytes_per_tile += index_entry + empty_chunk(properties, info, edge).size();
   }
+  std::uintmax_t axes = 0;
   for (const auto& axis : skeleton.lattice.axes()) axes += axis.size() * sizeof(double);
-  return axes + skeleton.tiling.size() * tile;
+  return axes + skeleton.tiling.size() * bytes_per_tile;
 }
 
 std::optional<RunId> create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
-                                     const Watch& watch) {
-  const auto mark = create_file(path, skeleton, watch);
-  const bool whole = mark && (skeleton.compression > 0 || allocate_plain(path, skeleton, watch));
-  return whole ? mark : std::nullopt;
+                                     const ProgressCallback& progress) {
+  const auto run_id = create_file(path, skeleton, progress);
+  const bool complete =
+      run_id && (skeleton.compression > 0 || allocate_rest(path, skeleton, progress));
+  return complete ? run_id : std::nullopt;
 }
 
 }  // namespace trebsweep

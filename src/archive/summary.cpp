@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
-#include <stdexcept>
-#include <tuple>
 
 #include "trebsweep/base/mpi.hpp"
 
@@ -18,70 +16,6 @@ std::uint64_t Summary::designs() const {
 
 double Summary::utilisation() const {
   return lane_steps == 0 ? 0 : static_cast<double>(steps) / static_cast<double>(lane_steps);
-}
-
-std::uint64_t Tally::designs() const {
-  return std::accumulate(statuses.begin(), statuses.end(), std::uint64_t{0});
-}
-
-void Tally::add(const SwingResult& result, std::uint64_t cell, bool competes) {
-  ++statuses[static_cast<std::size_t>(result.status)];
-  steps += result.steps;
-  if (!competes || !has_speed(result.status)) return;
-  if (result.speed > best_speed || (result.speed == best_speed && cell < best_cell)) {
-    best_speed = result.speed;
-    best_time = result.release_time;
-    best_cell = cell;
-  }
-}
-
-void Tally::add(const Tally& other) {
-  for (std::size_t s = 0; s < statuses.size(); ++s) statuses[s] += other.statuses[s];
-  steps += other.steps;
-  lane_steps += other.lane_steps;
-  integration_seconds += other.integration_seconds;
-  sweep_seconds += other.sweep_seconds;
-  if (std::tuple(-other.best_speed, other.best_cell) < std::tuple(-best_speed, best_cell)) {
-    best_speed = other.best_speed;
-    best_time = other.best_time;
-    best_cell = other.best_cell;
-  }
-}
-
-TallyRow to_row(const Tally& tally) {
-  TallyRow row{};
-  std::copy(tally.statuses.begin(), tally.statuses.end(), row.begin());
-  const bool any = tally.best_speed >= 0;
-  const std::array rest{static_cast<double>(tally.steps),
-                        static_cast<double>(tally.lane_steps),
-                        tally.best_speed,
-                        tally.best_time,
-                        any ? static_cast<double>(tally.best_cell) : -1,
-                        tally.integration_seconds,
-                        tally.sweep_seconds};
-  static_assert(status_names.size() + rest.size() == tally_columns.size());
-  std::copy(rest.begin(), rest.end(), row.begin() + status_names.size());
-  return row;
-}
-
-Tally to_tally(const TallyRow& row) {
-  const auto count = [&](std::size_t column) {
-    const double value = row[column];
-    if (!(value >= 0 && value < 9e15)) throw std::runtime_error("a tally is no count");
-    return static_cast<std::uint64_t>(value);
-  };
-  Tally tally;
-  for (std::size_t s = 0; s < status_names.size(); ++s) tally.statuses[s] = count(s);
-  std::size_t column = status_names.size();
-  tally.steps = count(column++);
-  tally.lane_steps = count(column++);
-  tally.best_speed = row[column++];
-  tally.best_time = row[column++];
-  if (tally.best_speed >= 0) tally.best_cell = count(column);
-  ++column;
-  tally.integration_seconds = row[column++];
-  tally.sweep_seconds = row[column++];
-  return tally;
 }
 
 Summary to_summary(const Tally& tally, const std::array<std::vector<double>, 3>& axes) {
@@ -112,7 +46,7 @@ Summary combine(const Tally& tally, const Lattice& lattice, MPI_Comm comm) {
   sum.integration_seconds = mpi::sum(tally.integration_seconds, comm);
   sum.sweep_seconds = mpi::sum(tally.sweep_seconds, comm);
 
-  // Not beyond signed numbers: MPICH 4.0 takes the least of unsigned ones by their signs.
+  // Within the range of signed integers: in MPICH 4.0 MPI_MIN compares unsigned ones as signed.
   constexpr std::uint64_t no_cell = std::numeric_limits<std::int64_t>::max();
   sum.best_speed = mpi::max(tally.best_speed, comm);
   sum.best_cell = mpi::min(tally.best_speed == sum.best_speed ? tally.best_cell : no_cell, comm);

@@ -429,7 +429,7 @@ void write_file(const OutputState& place, const std::vector<Table>& tables, cons
   hdf5::write_attribute(file, "job", to_text(job, true));
   for (const Table& table : tables) write(file, table);
   file.close(what);
-  rename_new(partial, place.path, place.replaces);
+  rename_to_final(partial, place.path, place.replaces);
 }
 
 }  // namespace

@@ -9,9 +9,12 @@
 #include <system_error>
 
 #include "trebsweep/archive/archive_contents.hpp"
+#include "trebsweep/archive/archive_header.hpp"
+#include "trebsweep/archive/assessment_contents.hpp"
 #include "trebsweep/archive/file_lock.hpp"
-#include "trebsweep/archive/partial.hpp"
+#include "trebsweep/archive/output_path.hpp"
 #include "trebsweep/archive/regular_file.hpp"
+#include "trebsweep/archive/summary.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/number.hpp"
 #include "trebsweep/job/job.hpp"
@@ -29,7 +32,7 @@ std::string state(const fs::path& given, const ArchiveContents& contents) {
   const fs::path path = follow_links(given);
   const bool partial = path.extension() == ".partial";
   const fs::path name = partial ? final_path(path) : path;
-  const auto writer = lock_holder(name.string() + ".lock");
+  const auto writer = lock_holder(lock_path(name));
   if (contents.complete() && !partial) return "complete";
   const std::string progress =
       contents.complete()

@@ -68,7 +68,7 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
     print_warnings(job, *summary, stop);
     return 0;
   }
-  if (root && summary->begun)
+  if (root && summary->partial_created)
     fmt::print(stderr, "trebsweep: stopped with {} designs done; the same command continues{}\n",
                summary->designs(), line.overwrite ? ", without --overwrite" : "");
   else if (root)

@@ -136,13 +136,13 @@ struct Start {
 Start find(const Job& job, const Lattice& lattice, const SweepOptions& options,
            const OutputState& place, const std::string& history, Tally& tally) {
   Start start{.complete = place.complete, .edge = {}, .done = 0, .mark = {}};
-  if (!place.begun) {
+  if (!place.partial) {
     if (!start.complete) start.edge = choose_edge(job, lattice, options);
     return start;
   }
-  start.edge = place.begun->tile_edge;
-  start.done = place.begun->tiles_done;
-  tally = place.begun->tally;
+  start.edge = place.partial->tile_edge;
+  start.done = place.partial->tiles_done;
+  tally = place.partial->tally;
   start.mark = continue_partial(place.path, Tiling(lattice, start.edge), map_infos(job.output),
                                 start.done, history);
   return start;
@@ -189,7 +189,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   if (!start.mark) {
     Summary summary;
     summary.complete = false;
-    summary.begun = false;
+    summary.partial_created = false;
     return summary;
   }
 
@@ -223,7 +223,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
       tally.add(tile.tally);
     }
     counted = MPI_Wtime();
-    archive.mark_done(next, gather(assigned[rank], *computed, next, end, comm));
+    archive.checkpoint(next, gather(assigned[rank], *computed, next, end, comm));
     for (; next < end; ++next) designs_done += lattice.designs_in(tiling.tile(next));
     batch = next_batch(batch, round_seconds, bytes_per_tile);
     progress.update(designs_done);
@@ -234,7 +234,8 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   summary.complete = next == tiling.size();
   if (summary.complete) archive.write(attributes(summary));
   archive.close();
-  if (summary.complete) mpi::on_root(comm, [&] { finish(path, *start.mark, place.replaces); });
+  if (summary.complete)
+    mpi::on_root(comm, [&] { finish_partial(path, *start.mark, place.replaces); });
   return summary;
 }
 

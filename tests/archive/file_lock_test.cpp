@@ -18,8 +18,8 @@ namespace {
 
 const std::filesystem::path path = TEST_DIR "/lock_of_" + std::to_string(getpid());
 
-/// What another process meets that wants the lock: its message, or nothing if it got it.
-std::string other_process() {
+/// Tries to take the lock in another process: returns its error message, empty if it succeeds.
+std::string lock_in_other_process() {
   int ends[2];
   REQUIRE(pipe(ends) == 0);
   const pid_t child = fork();
@@ -50,17 +50,17 @@ std::string content(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("A lock keeps another process out, and names its holder") {
+TEST_CASE("A held lock refuses another process and names the holder") {
   {
     const FileLock lock(path);
-    CHECK_THAT(other_process(), contains(path) && contains(std::to_string(getpid())));
+    CHECK_THAT(lock_in_other_process(), contains(path) && contains(std::to_string(getpid())));
     CHECK(content(path).starts_with("trebsweep lock: process "));
   }
   CHECK_FALSE(std::filesystem::exists(path));
-  CHECK(other_process().empty());
+  CHECK(lock_in_other_process().empty());
 }
 
-TEST_CASE("A lock dies with its process, however that ends") {
+TEST_CASE("A lock is released when its process is killed") {
   const pid_t child = fork();
   if (child == 0) {
     const FileLock lock(path);
@@ -72,11 +72,11 @@ TEST_CASE("A lock dies with its process, however that ends") {
   CHECK_FALSE(std::filesystem::exists(path));
 }
 
-TEST_CASE("Where no file can be, there is no lock") {
+TEST_CASE("A lock file that cannot be created is an error") {
   CHECK_THROWS_AS(FileLock("/nowhere/a.lock"), std::system_error);
 }
 
-TEST_CASE("A file that is no lock is left as it is") {
+TEST_CASE("A file that is not a lock file is refused and left unchanged") {
   std::ofstream(path) << "precious";
   CHECK_THROWS_AS(FileLock(path), InputError);
   CHECK_FALSE(lock_holder(path));
@@ -84,18 +84,18 @@ TEST_CASE("A file that is no lock is left as it is") {
   std::filesystem::remove(path);
 }
 
-TEST_CASE("An empty file serves as a lock, and stays") {
+TEST_CASE("An empty file can be locked and is left in place") {
   std::ofstream{path};
   {
     const FileLock lock(path);
-    CHECK_THAT(other_process(), contains("another process"));
+    CHECK_THAT(lock_in_other_process(), contains("another process"));
   }
   CHECK(std::filesystem::exists(path));
   CHECK(content(path).empty());
   std::filesystem::remove(path);
 }
 
-TEST_CASE("A link is not followed, and a FIFO does not block") {
+TEST_CASE("A symbolic link is not followed, and a FIFO does not block") {
   const std::filesystem::path target = path.string() + ".target";
   std::ofstream(target) << "precious";
   std::filesystem::create_symlink(target, path);

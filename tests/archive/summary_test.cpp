@@ -1,7 +1,5 @@
 #include "trebsweep/archive/summary.hpp"
 
-#include <cmath>
-
 #include "support/catch.hpp"
 #include "trebsweep/base/mpi.hpp"
 
@@ -15,7 +13,8 @@ const Lattice paper_lattice{Scene{}, LatticeSpec{}};
 
 }  // namespace
 
-TEST_CASE("The optimum is the fastest of all ranks, and of equals the first in the lattice") {
+TEST_CASE(
+    "The optimum is the fastest design of all ranks, and of equal ones the first in the lattice") {
   const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
   const auto ranks = static_cast<std::uint64_t>(mpi::size(MPI_COMM_WORLD));
   Tally tally;
@@ -37,40 +36,16 @@ TEST_CASE("The optimum is the fastest of all ranks, and of equals the first in t
   CHECK(summary.optimum->design.r2 == design.r2);
 }
 
-TEST_CASE("An optimum that only one rank has seen is known to all") {
+TEST_CASE("An optimum found by one rank is known to all ranks") {
   Tally tally;
   if (mpi::rank(MPI_COMM_WORLD) == mpi::size(MPI_COMM_WORLD) - 1)
-    tally.add(released(0, 0.9), 5);  // even a shot of 0 m/s
+    tally.add(released(0, 0.9), 5);  // a speed of 0 counts too
   const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
   REQUIRE(summary.optimum);
   CHECK(summary.optimum->release_time == 0.9);
 }
 
-TEST_CASE("Tallies of parts add up to that of the whole, by way of the archive too") {
-  Tally parts[3], whole, sum;
-  for (std::uint64_t i = 0; i < 30; ++i) {
-    // Equal speeds in all parts: the first cell of them is the whole's.
-    const SwingResult result = i % 7 == 0
-                                   ? SwingResult{0, 0, i, Status::not_released}
-                                   : released(static_cast<double>(i % 5), static_cast<double>(i));
-    parts[2 - i % 3].add(result, i, i != 4);
-    whole.add(result, i, i != 4);
-  }
-  for (const Tally& part : parts) sum.add(to_tally(to_row(part)));
-  CHECK(to_row(sum) == to_row(whole));
-  CHECK(sum.best_cell == whole.best_cell);
-  CHECK(to_tally(to_row(Tally{})).best_cell == Tally{}.best_cell);
-}
-
-TEST_CASE("Rows that are no tallies are refused") {
-  for (const double bad : {-1.0, 1e17, std::nan("")}) {
-    TallyRow row{};
-    row[1] = bad;
-    CHECK_THROWS_AS(to_tally(row), std::runtime_error);
-  }
-}
-
-TEST_CASE("Without a release there is no optimum, and the text says so") {
+TEST_CASE("Without a release the summary has no optimum, and its text reports that") {
   Tally tally;
   tally.add({0, 0, 1, Status::non_finite}, 0);
   const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
@@ -79,7 +54,7 @@ TEST_CASE("Without a release there is no optimum, and the text says so") {
              contains("non_finite") && contains("optimum   none"));
 }
 
-TEST_CASE("The text gives the optimum's design to the last digit") {
+TEST_CASE("The text gives the optimal design with all its digits") {
   Summary summary;
   summary.optimum = Optimum{{0.512345678, 0.58, 0.91}, 16.5, 0.9};
   CHECK_THAT(to_text(summary, OptimumFilter::all),

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Fuzzes job files and archives with Clang's libFuzzer, some seconds each; what fails is kept in build/fuzz/found.
+# Fuzzes job files and archives with Clang's libFuzzer. Inputs that fail are kept in build/fuzz/found.
 #
-#   tests/fuzz/fuzz.sh [SECONDS]      default 300; needs clang++ with libFuzzer (Debian: clang) and a build (jobs/build.sh)
+#   tests/fuzz/fuzz.sh [SECONDS]      for each of the two, default 300; needs clang++ with libFuzzer (Debian: clang) and a build (jobs/build.sh)
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:-300}
@@ -11,7 +11,7 @@ cmake --build --preset fuzz
 mkdir -p build/fuzz/found build/fuzz/seeds/{job,archive}
 cp jobs/*.cfg build/fuzz/seeds/job
 for scene in jobs/scenes/*.cfg; do cp "$scene" "build/fuzz/seeds/job/scene_${scene##*/}"; done
-# Small archives of every kind, complete ones: to those who read them they differ from partial ones in flags alone.
+# Small complete archives of every kind: to a reader, partial archives differ from them only in tile_done.
 for output in "compression 0" "compression 4" "storage float32" "fields speed,status,slack"; do
   OMPI_MCA_ess_singleton_isolated=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 \
     build/release/trebsweep sweep jobs/accurate.cfg --lattice.r1 0.6:0.9:0.1 --lattice.r3 0.5:0.9:0.2 \
@@ -20,11 +20,11 @@ for output in "compression 0" "compression 4" "storage float32" "fields speed,st
 done
 
 export ASAN_OPTIONS=detect_leaks=0
-fuzz() { # NAME LONGEST OPTIONS...
+fuzz() { # NAME MAX_LENGTH OPTIONS...
   mkdir -p "build/fuzz/corpus/$1"
   build/fuzz/tests/fuzz_"$1" -max_len="$2" -max_total_time="$seconds" -artifact_prefix=build/fuzz/found/"$1"- \
     -print_final_stats=1 "${@:3}" "build/fuzz/corpus/$1" "build/fuzz/seeds/$1"
 }
 fuzz job 4096 -timeout=10
-# HDF5 tells nothing of its coverage: every seed is kept.
+# HDF5 is not instrumented for coverage, so every seed is kept.
 fuzz archive 60000 -timeout=100 -keep_seed=1 -reduce_inputs=0 -len_control=0

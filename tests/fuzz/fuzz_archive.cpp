@@ -1,4 +1,4 @@
-// Fuzzes what is read of a file that is there already under an archive's name, or as its partial.
+// Fuzzes the reading of existing archives and partial archives.
 
 #include <unistd.h>
 
@@ -10,20 +10,21 @@
 #include <string>
 
 #include "trebsweep/archive/archive_contents.hpp"
+#include "trebsweep/archive/archive_header.hpp"
 
-extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 
-/// Mostly damage in place, which leaves HDF5's addresses where they were: its code, which tells the
-/// fuzzer nothing of its coverage, is reached by what still looks like its file.
+/// Mostly changes bytes in place, which keeps HDF5's addresses valid. HDF5 is not instrumented for
+/// coverage: only files that still look like HDF5 reach its code.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
-                                               std::size_t most, unsigned seed) {
+                                               std::size_t max_size, unsigned seed) {
   std::minstd_rand random(seed);
-  if (size < 2 || random() % 8 == 0) return LLVMFuzzerMutate(data, size, most);
-  if (random() % 16 == 0) return 1 + random() % (size - 1);  // cut off
+  if (size < 2 || random() % 8 == 0) return LLVMFuzzerMutate(data, size, max_size);
+  if (random() % 16 == 0) return 1 + random() % (size - 1);  // truncate
   for (auto changes = 1 + random() % 4; changes > 0; --changes) {
-    const std::size_t place = random() % size;
-    const std::size_t length = std::min<std::size_t>(1 + random() % 8, size - place);
-    LLVMFuzzerMutate(data + place, length, length);
+    const std::size_t offset = random() % size;
+    const std::size_t length = std::min<std::size_t>(1 + random() % 8, size - offset);
+    LLVMFuzzerMutate(data + offset, length, length);
   }
   return size;
 }

@@ -1,6 +1,6 @@
-// Fuzzes job files: a text, and behind a zero byte lines of key=value as the command line gives
-// them. What is accepted must come back the same from its own text, and its lattice must be dealt
-// out without loss.
+// Fuzzes job files. The input is the text of a job file, then a zero byte and lines of key=value,
+// the command-line options. An accepted job must be the same after a round trip through its text,
+// and the tiles of its lattice must cover every design once.
 
 #include <cstdint>
 #include <cstdlib>
@@ -14,8 +14,8 @@ using namespace trebsweep;
 
 namespace {
 
-void require(bool holds) {
-  if (!holds) std::abort();
+void require(bool condition) {
+  if (!condition) std::abort();
 }
 
 Overrides overrides_in(const std::string& lines) {
@@ -28,24 +28,23 @@ Overrides overrides_in(const std::string& lines) {
   return overrides;
 }
 
-/// Whether a lattice is refused for its size, or small enough to be made thousands of times a
-/// second.
-bool quick(const Job& job) {
+/// Whether the lattice of a job takes little time: it is small, or so large that it is refused.
+bool is_quick(const Job& job) {
   const LatticeSpec& spec = job.lattice;
-  const auto quick_count = [](double count) { return count < 1e3 || count > 1e8; };
+  const auto is_quick_count = [](double count) { return count < 1e3 || count > 1e8; };
   for (const auto& axis : {spec.r1, spec.r3, spec.r2})
-    if (!quick_count(axis ? (axis->last - axis->first) / axis->step
-                          : job.scene.fulcrum_height / spec.increment))
+    if (!is_quick_count(axis ? (axis->last - axis->first) / axis->step
+                             : job.scene.fulcrum_height / spec.increment))
       return false;
   return true;
 }
 
-void check(const Lattice& lattice) {
+void check_tiling(const Lattice& lattice) {
   const Index3 n = lattice.extent();
   const Tiling tiling(lattice, {(n[0] + 4) / 5, (n[1] + 4) / 5, (n[2] + 4) / 5});
-  std::uint64_t dealt = 0;
-  for (std::uint64_t t = 0; t < tiling.size(); ++t) dealt += lattice.designs_in(tiling.tile(t));
-  require(dealt == lattice.designs());
+  std::uint64_t covered = 0;
+  for (std::uint64_t t = 0; t < tiling.size(); ++t) covered += lattice.designs_in(tiling.tile(t));
+  require(covered == lattice.designs());
 }
 
 }  // namespace
@@ -58,7 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                               overrides_in(input.substr(std::min(end + 1, size))));
     const std::string text = to_text(job);
     require(to_text(parse_job(text, "again.cfg", {})) == text);
-    if (quick(job)) check(Lattice(job.scene, job.lattice));
+    if (is_quick(job)) check_tiling(Lattice(job.scene, job.lattice));
   } catch (const InputError&) {
   }
   return 0;

@@ -281,7 +281,7 @@ class BadInput(CommandTest):
         self.assert_refused(["sweep", self.job, "--output.file", "no/such/folder.h5"],
                             "output.file = no/such/folder.h5", "no/such")
         self.assert_refused(["sweep", self.job, "--output.file", self.folder],
-                            f"output.file = {self.folder}", "is a folder")
+                            f"output.file = {self.folder}", "is a directory")
         # Root may write in any folder: a name too long for every file system stands for one that is closed.
         self.assert_refused(["sweep", self.job, "--output.file", "x" * 300],
                             "output.file = xxx", "cannot write in .", "too long")
@@ -494,7 +494,7 @@ class ExistingFiles(CommandTest):
         done = subprocess.run([MPIEXEC, "-n", "1", *rank, ":", "-n", "1", "-wdir", self.path("elsewhere"), *rank],
                               cwd=self.folder, text=True, capture_output=True, timeout=60, check=False)
         self.assertNotEqual(done.returncode, 0)
-        self.assertIn("rank 1 does not see seen.h5.partial.new", done.stderr)
+        self.assertIn("rank 1 cannot see seen.h5.partial.new", done.stderr)
         self.assertEqual([name for name in os.listdir(self.folder) if name.startswith("seen")], [])
 
     def test_the_same_job_is_done_already(self):
@@ -515,13 +515,13 @@ class ExistingFiles(CommandTest):
     def test_a_file_that_is_no_archive_is_kept(self):
         self.write("notes.txt", "precious\n")
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "notes.txt"],
-                            "output.file = notes.txt", "is there already")
+                            "output.file = notes.txt", "already exists")
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "job.cfg", "--overwrite"],
-                            "output.file = job.cfg", "no archive")
+                            "output.file = job.cfg", "not an archive")
         with h5py.File(self.path("foreign.h5"), "w") as file:
             file.attrs["job"] = ["many"] * 2000
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "foreign.h5"],
-                            "output.file = foreign.h5", "no archive")
+                            "output.file = foreign.h5", "not an archive")
 
     def test_what_is_no_unfinished_sweep_is_kept(self):
         with h5py.File(self.path("foreign.h5"), "w") as file:
@@ -537,7 +537,7 @@ class ExistingFiles(CommandTest):
                     file.write(content)
                 for overwrite in ([], ["--overwrite"]):
                     self.assert_refused(["sweep", self.job, *COARSE, *overwrite],
-                                        "output.file = job.h5", f"job.h5{suffix} is there and ")
+                                        "output.file = job.h5", f"job.h5{suffix} exists and ")
             os.remove(self.path("job.h5" + suffix))
         os.rename(self.job, self.path("x.h5.partial"))
         self.assert_refused(["sweep", "x.h5.partial", "--output.file", "x.h5", "--overwrite"], "x.h5.partial")
@@ -545,7 +545,7 @@ class ExistingFiles(CommandTest):
     def test_a_folder_or_a_link_in_the_way_is_kept(self):
         for suffix in (".partial", ".partial.new", ".lock"):
             os.mkdir(self.path("job.h5" + suffix))
-            self.assert_refused(["sweep", self.job, *COARSE, "--overwrite"], f"job.h5{suffix} is a folder")
+            self.assert_refused(["sweep", self.job, *COARSE, "--overwrite"], f"job.h5{suffix} is a directory")
             os.rmdir(self.path("job.h5" + suffix))
             os.symlink("job.cfg", self.path("job.h5" + suffix))
             self.assert_refused(["sweep", self.job, *COARSE, "--overwrite"], f"job.h5{suffix} is a symbolic link")
@@ -577,7 +577,7 @@ class ExistingFiles(CommandTest):
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "fifo"], "output.file = fifo: is a FIFO")
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "/dev/null"], "is a device")
         self.assert_refused(["info", "fifo"], "fifo is a FIFO")
-        self.assert_refused(["info", "."], ". is a folder")
+        self.assert_refused(["info", "."], ". is a directory")
         self.assert_refused(["info", "/dev/zero"], "/dev/zero is a device")
         self.assert_refused(["info", "x" * 300], "no such file")
         self.write("empty.h5", "")
@@ -598,7 +598,7 @@ class ExistingFiles(CommandTest):
         sanitizer = os.environ.get("ASAN_OPTIONS", "") + ":verify_asan_link_order=0"
         environment = {"LD_PRELOAD": library, "ASAN_OPTIONS": sanitizer}
         done = self.run_program("sweep", self.job, *COARSE, "--progress", "none", environment=environment)
-        self.assertEqual(done.stderr.count("job.h5.lock: locks do not work here (No locks available)"), 1, done.stderr)
+        self.assertEqual(done.stderr.count("job.h5.lock: file locking does not work here (No locks available)"), 1, done.stderr)
         self.assertTrue(os.path.exists(self.path("job.h5")))
         self.assertFalse(os.path.exists(self.path("job.h5.lock")))
 
@@ -664,7 +664,7 @@ class Assess(CommandTest):
         self.assertEqual(data.error_median.attrs["units"], "m s-1")
         with h5py.File(self.path("job.h5")) as file:
             self.assertIn("time-steps = 0.01, 0.005", file.attrs["job"])
-        self.assert_refused(["assess", job, *self.SMALL], "output.file", "is there already")
+        self.assert_refused(["assess", job, *self.SMALL], "output.file", "already exists")
         self.run_program("assess", job, *self.SMALL, "--overwrite", "--progress", "none")
 
     def test_options_of_the_scene_hold_for_all_the_scenes(self):
@@ -685,7 +685,7 @@ class Assess(CommandTest):
         self.run_program("sweep", self.job, *lattice, "--overwrite")
         done = self.run_program("sweep", self.job, *lattice, ranks=2)
         self.assertIn("complete archive of this job", done.stderr)
-        self.assert_refused(["assess", self.job, *self.SMALL], "job.h5", "is there already")
+        self.assert_refused(["assess", self.job, *self.SMALL], "job.h5", "already exists")
 
     def test_an_unfinished_sweep_is_not_buried_under_an_assessment(self):
         self.write("job.h5.partial", "")

@@ -371,7 +371,7 @@ class Partials(ResumeTest):
                 file.write(damaged)
             for options in ((), ("--overwrite",)):
                 errors = self.run_sweep(2, *options, codes=(2,))
-                self.assert_told_once(errors, "job.h5.partial is there and is no unfinished sweep")
+                self.assert_told_once(errors, "job.h5.partial exists and is not an unfinished sweep")
                 self.assertEqual(self.partial(), damaged)
         with open(self.path("job.h5.partial"), "wb") as file:
             file.write(whole)
@@ -507,7 +507,7 @@ class Faults(ResumeTest):
             limited = [MPIEXEC, "-n", str(ranks), "bash", "-c",
                        f'ulimit -f {int(part * size / 1024)}; exec "$@"', "limited"]
             errors = self.run_sweep(0, *COMPRESSED, codes=(1,), launcher=limited)
-            self.assert_failed(errors, "its limit of size", options=COMPRESSED)
+            self.assert_failed(errors, "the file size limit (ulimit -f)", options=COMPRESSED)
         self.run_sweep(3, *COMPRESSED)
         self.assert_complete(COMPRESSED)
 

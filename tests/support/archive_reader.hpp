@@ -9,11 +9,11 @@
 
 namespace trebsweep {
 
-/// All values of a map of an archive, along r2 fastest; read by one rank alone.
+/// All values of a dataset of an archive, last axis fastest; for one rank.
 inline std::vector<double> read_map(const std::filesystem::path& path, const std::string& name) {
   const hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
                         "open " + path.string());
-  const hdf5::Dataset map(H5Dopen2(file, name.c_str(), H5P_DEFAULT), "open " + name);
+  const hdf5::Dataset map = hdf5::open_dataset(file, name);
   const hdf5::Dataspace space(H5Dget_space(map), "read " + name);
   std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
   hdf5::check(H5Dread(map, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
@@ -21,8 +21,8 @@ inline std::vector<double> read_map(const std::filesystem::path& path, const std
   return values;
 }
 
-/// A path in the folder of the test programs, the same on all ranks; what is there is removed at
-/// the end of its scope, when all ranks are through with it.
+/// A path for an archive in the directory of the test programs, the same on all ranks. The
+/// destructor waits for all ranks and removes the archive and its partial file.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& name)

@@ -7,10 +7,11 @@
 #include <catch2/catch.hpp>
 #endif
 
+// Runs the tests on every rank. All ranks return the largest number of failures of any rank.
 int main(int argc, char** argv) {
   const trebsweep::mpi::Environment environment(argc, argv);
-  const int failed = Catch::Session().run(argc, argv);
-  int any = 0;
-  MPI_Allreduce(&failed, &any, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
-  return any;
+  const int failures = Catch::Session().run(argc, argv);
+  int max_failures = 0;
+  MPI_Allreduce(&failures, &max_failures, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+  return max_failures;
 }

@@ -3,6 +3,7 @@
 #include <hdf5.h>
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <variant>
@@ -13,35 +14,39 @@
 
 namespace trebsweep {
 
-/// The version of the form of archives: format_version.
+/// The file format version, stored in the attribute format_version.
 inline constexpr unsigned long long archive_format = 3;
 
-/// Number types that a map can have in the file.
+/// Number types of a map in the file.
 enum class MapType { float64, float32, uint8 };
 
 /// How a map is stored and described.
 struct MapInfo {
   std::string dataset;
-  std::string units;  ///< UDUNITS; empty for none
+  std::string units;  ///< UDUNITS; empty if it has none
   std::string long_name;
-  std::string ancillary;  ///< CF ancillary_variables; empty for none
+  std::string ancillary;  ///< CF ancillary_variables; empty if it has none
   MapType type;
-  double fill;                             ///< the value of cells outside the lattice
-  std::vector<std::string> flag_meanings;  ///< CF flags, of values 0, 1, ...; empty for numbers
+  double fill;                             ///< value of the cells outside the lattice
+  std::vector<std::string> flag_meanings;  ///< CF flag_meanings of 0, 1, ...; empty for numbers
 };
 
-/// Root attributes, by name.
+/// Names and values of root attributes.
 using Attributes =
     std::vector<std::pair<std::string, std::variant<std::string, double, unsigned long long>>>;
 
 /// The name of a field's map.
 std::string dataset_name(Field field);
 
+/// The line that a run starting now adds to the attribute history.
+std::string history_line(const std::string& command, std::uint64_t ranks);
+
 void write_attributes(hid_t file, const Attributes& attributes);
 
-/// The HDF5 type of a map's numbers in the file.
+/// The HDF5 type of a map's values in the file.
 hid_t file_type(MapType type);
 
+/// An index or extent as HDF5 expects it.
 inline std::array<hsize_t, 3> sizes(const Index3& index) { return {index[0], index[1], index[2]}; }
 
 }  // namespace trebsweep

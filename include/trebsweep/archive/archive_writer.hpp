@@ -14,26 +14,26 @@
 
 namespace trebsweep {
 
-/// The partial file of one job, written by all ranks of a communicator together. Every member is
-/// collective: all ranks call it in the same order. Each throws std::runtime_error where HDF5
+/// Writes the partial file of a job, with all ranks of a communicator; partial.hpp describes the
+/// order of the writes. Every member function is collective and throws std::runtime_error if HDF5
 /// fails.
 class ArchiveWriter {
  public:
-  /// Opens what create_partial() made of the same path and maps.
+  /// Opens the file that create_partial() created for the same path and maps.
   ArchiveWriter(const std::filesystem::path& path, const std::vector<MapInfo>& maps, MPI_Comm comm);
 
-  /// Writes one tile of each rank, map after map (values along r2 fastest); a rank without one
-  /// gives no tile.
+  /// Writes one tile of each rank; a rank without one passes no tile. `maps` holds the values of
+  /// each map in the tile, r2 fastest.
   void write(const std::optional<Tile>& tile, std::span<const std::vector<double>> maps);
 
-  /// Marks tiles from the first on done, as many as rank 0 gives tallies of, after what was written
-  /// of them is on disk.
-  void mark_done(std::uint64_t first, std::span<const TallyRow> tallies);
+  /// Marks the tiles of a round, numbered from `first`, as done once their data is on disk. Only
+  /// rank 0's tallies, one per tile, are used.
+  void checkpoint(std::uint64_t first, std::span<const TallyRow> tallies);
 
-  /// Changes attributes that are there.
+  /// Overwrites existing attributes.
   void write(const Attributes& attributes);
 
-  /// Closes the file, so that a failure to write what was buffered is seen.
+  /// Flushes and closes the file; unlike the destructor, reports a failure to do so.
   void close();
 
  private:

@@ -4,10 +4,11 @@
 
 namespace trebsweep {
 
-/// Calls f in a child process, a copy of this one, and throws away what it does there. Returns
-/// whether f ended, by itself or by an exception, rather than by a crash or by having worked for
-/// `working` seconds of the processor. Throws std::system_error where there can be no child, and
-/// where it had to be ended after `seconds` that it waited most of.
-bool completes_in_child(const std::function<void()>& f, unsigned working, unsigned seconds);
+/// Calls f in a forked child process, whose effects on memory and whose stderr are discarded.
+/// Returns true if f returns or throws, and false if it crashes, exits, or uses more than
+/// `cpu_seconds` of processor time. Throws std::system_error if fork() fails, or if f is still
+/// waiting after `wall_seconds`.
+bool completes_in_child(const std::function<void()>& f, unsigned cpu_seconds,
+                        unsigned wall_seconds);
 
 }  // namespace trebsweep

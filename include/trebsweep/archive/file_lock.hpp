@@ -6,32 +6,32 @@
 
 namespace trebsweep {
 
-/// Keeps others who ask for the same lock file out, on all hosts that share its file system. The
-/// lock dies with its process; its file, which names the holder, goes at the end of the scope, and
-/// stays if there is none. An empty file serves as a lock too, and stays empty: it may be
-/// somebody's own, or of a run that was killed before it wrote its name.
+/// An exclusive advisory lock (fcntl) on a file that names its holder, effective on all hosts that
+/// share the file system. The system releases the lock when the process ends; the destructor
+/// removes the file, and a killed process leaves it behind. An existing empty file can be locked
+/// too, but is neither written nor removed: it may belong to the user, or be that of a run that was
+/// killed before it wrote its name.
 class FileLock {
  public:
-  /// Throws InputError, naming the holder, where another process has the lock, and where there is a
-  /// file that is no lock, which it leaves alone; std::system_error where the file cannot be
-  /// written. Where locks do not work, a message on stderr tells it, and every process gets the
-  /// lock.
+  /// Throws InputError if another process holds the lock, naming it, or if the file exists and is
+  /// not a lock file; throws std::system_error if the file cannot be written. On a file system
+  /// without locking, prints a message to stderr and grants the lock to every process.
   explicit FileLock(const std::filesystem::path& path);
   ~FileLock();
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
 
-  /// Whether the file was left by a process of this program that was killed.
-  bool was_left() const { return was_left_; }
+  /// Whether the file was left behind by a killed process of this program.
+  bool was_stale() const { return was_stale_; }
 
  private:
   std::filesystem::path path_;
   int file_ = -1;
-  bool own_ = false;  ///< the file has our text, and goes with us
-  bool was_left_ = false;
+  bool owns_file_ = false;  ///< the file names this process, and is removed with the lock
+  bool was_stale_ = false;
 };
 
-/// Who has the lock, if another process has it.
+/// The process that holds the lock, if another process does.
 std::optional<std::string> lock_holder(const std::filesystem::path& path);
 
 }  // namespace trebsweep

@@ -6,12 +6,12 @@
 
 namespace trebsweep {
 
-/// Throws std::runtime_error where no file of that size, in bytes, can be made under a path that is
-/// free: for want of space on its disk, by a quota, or by the process's limit of file size (ulimit
-/// -f). Leaves no file there.
+/// Throws std::runtime_error if a file of the given size, in bytes, cannot be created at a path
+/// where no file exists, because of the space on the disk, a quota, or the process's file size
+/// limit (ulimit -f). Leaves no file behind.
 void require_space(const std::filesystem::path& path, std::uintmax_t bytes);
 
-/// What keeps a file from growing, as the end of a message; empty if that cannot be told.
-std::string obstacle(const std::filesystem::path& path);
+/// The limit that keeps a file from growing, worded as the end of a message; empty if unknown.
+std::string reached_limit(const std::filesystem::path& path);
 
 }  // namespace trebsweep

@@ -10,25 +10,24 @@
 
 namespace trebsweep::hdf5 {
 
-/// Keeps HDF5 from printing its error stack: failures are reported once, by fail().
+/// Keeps HDF5 from printing its error stack: fail() reports an error once.
 void silence();
 
-/// Throws std::runtime_error saying what failed, with HDF5's own reason.
+/// Throws std::runtime_error with the message "cannot <what>: <HDF5's reason>".
 [[noreturn]] void fail(const std::string& what);
 
-/// The result of an HDF5 call; throws where it tells of failure (a negative value). `what`
-/// completes "cannot ...".
+/// Returns the result of an HDF5 call, or calls fail(what) if it is negative, which means failure.
 template <class Result>
 Result check(Result result, const std::string& what) {
   if (result < 0) fail(what);
   return result;
 }
 
-/// An HDF5 identifier, closed at the end of its scope.
+/// Owns an HDF5 identifier and closes it in the destructor.
 template <herr_t (*Close)(hid_t)>
 class Handle {
  public:
-  /// Throws std::runtime_error where `id` tells of failure.
+  /// Calls fail(what) if `id` is invalid.
   Handle(hid_t id, const std::string& what) : id_(check(id, what)) {}
   Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)) {}
   Handle& operator=(Handle&& other) noexcept {
@@ -41,7 +40,7 @@ class Handle {
 
   operator hid_t() const { return id_; }
 
-  /// Closes now, so that a failure to write what was buffered is seen.
+  /// Closes now; unlike the destructor, reports a failure to do so.
   void close(const std::string& what) { check(Close(std::exchange(id_, H5I_INVALID_HID)), what); }
 
  private:
@@ -56,22 +55,21 @@ using Datatype = Handle<&H5Tclose>;
 using Attribute = Handle<&H5Aclose>;
 using Properties = Handle<&H5Pclose>;
 
-/// Opens a file to be written by all ranks of a communicator; collective.
+/// Opens a file for writing by all ranks of a communicator; collective.
 File open_parallel(const std::filesystem::path& path, MPI_Comm comm);
 
 Dataset open_dataset(hid_t file, const std::string& name);
 
-/// Texts of any length in UTF-8: what h5py and netCDF read as str.
+/// Variable-length UTF-8 text, which h5py and netCDF read as str.
 Datatype text_type();
 
-/// Writes an attribute; a number that is there already changes in place, so that no more than a few
-/// bytes of the file do.
+/// Creates or overwrites an attribute. An existing number is overwritten in place.
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, unsigned long long value);
 
-// What follows reads files of any origin: where something is not of the expected form and size, it
-// throws std::runtime_error.
+// The functions below read files of any origin. They throw std::runtime_error if an object does not
+// have the expected type and size.
 
 std::string read_text_attribute(hid_t object, const std::string& name);
 double read_number_attribute(hid_t object, const std::string& name);
@@ -79,10 +77,10 @@ double read_number_attribute(hid_t object, const std::string& name);
 /// The names of a group's members, in alphabetical order.
 std::vector<std::string> link_names(hid_t group);
 
-/// The extents of a dataset.
+/// The extent of each axis of a dataset.
 std::vector<hsize_t> extents(hid_t dataset);
 
-/// All values of a dataset whose values lie in the file one after another, last axis fastest.
+/// All values of a contiguous dataset, last axis fastest.
 std::vector<double> read_numbers(hid_t file, const std::string& name);
 
 }  // namespace trebsweep::hdf5

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "trebsweep/archive/archive_contents.hpp"
 #include "trebsweep/archive/file_lock.hpp"
@@ -10,24 +11,24 @@
 
 namespace trebsweep {
 
-/// Where an archive goes, and what a sweep finds there.
+/// What a run finds at the path of its archive.
 struct OutputState {
-  std::filesystem::path path;  ///< of the archive: output.file, links followed
-  bool complete = false;       ///< the archive of this very job is there
-  std::string replaces;        ///< file_identity() of the archive that will be replaced, if any
-  std::optional<ArchiveContents> begun;  ///< an unfinished sweep of this very job, to be continued
-  std::unique_ptr<FileLock> lock;  ///< to be kept until the archive is finished; none if complete
+  std::filesystem::path path;  ///< of the archive: output.file with symbolic links resolved
+  bool complete = false;       ///< the complete archive of this job exists
+  std::string replaces;        ///< file_identity() of the archive that the run will replace, if any
+  std::optional<ArchiveContents> partial;  ///< the partial archive of this job, to be resumed
+  std::unique_ptr<FileLock> lock;          ///< held until the archive is finished; none if complete
 };
 
-/// Looks at the place of the job's archive and locks it. Changes nothing else. For one rank alone.
-/// `overwrite` allows to replace an archive, or an unfinished one, and no other file. Throws
-/// InputError where the place cannot be written, is being written by another process, or holds
-/// something else, under its name or those of the files next to it (.lock, .partial, .partial.new);
-/// and std::runtime_error where an unfinished sweep cannot be continued.
+/// Inspects and locks the path of a sweep's archive, and changes nothing else. For one rank.
+/// `overwrite` permits replacing an archive or a partial archive, but no other file. Throws
+/// InputError if the path cannot be written, is in use by another process, or if it or a file next
+/// to it (.lock, .partial, .partial.new) holds something else; throws std::runtime_error if the
+/// partial archive of this job cannot be resumed.
 OutputState open_or_resume(const Job& job, bool overwrite);
 
-/// Locks the place of an assessment. For one rank alone. Throws InputError where prepare_output()
-/// does, and where there is an unfinished sweep.
+/// Inspects and locks the path of an assessment. For one rank. Throws InputError as
+/// open_or_resume() does, and if a partial archive exists.
 OutputState reserve_output(const Job& job, bool overwrite);
 
 }  // namespace trebsweep

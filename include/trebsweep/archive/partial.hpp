@@ -9,49 +9,77 @@
 #include <string>
 #include <vector>
 
+#include "trebsweep/archive/output_path.hpp"
 #include "trebsweep/archive/run_id.hpp"
 #include "trebsweep/archive/skeleton.hpp"
 
+// What a sweep writes, and when
+//
+//   creation     <path>.partial.new: axes, maps of fill values, attributes; rename it to
+//                <path>.partial
+//   each round   1. every rank writes its tiles to the maps, collectively
+//                2. rank 0 writes the tallies of the round's tiles to tile_tally
+//                3. flush
+//                4. rank 0 marks the round's tiles as done in tile_done
+//                5. flush
+//   completion   write the summary attributes, flush, close, rename <path>.partial to <path>
+//
+// Steps 2 to 5 are the checkpoint. Only tiles before the first unmarked one count as done. A run
+// that is killed loses
+//
+//   during creation            the new file, which the next run replaces
+//   before step 4 of a round   that round: the next run computes and writes its tiles again
+//   during steps 4 and 5       that round at most
+//   after step 5               nothing
+//   during completion          nothing: the next run of the same command finishes the archive
+//
+// The order survives a kill. A write that has returned is in the operating system's cache and does
+// not depend on the process; rank 0 marks tiles only after the writes of all ranks have returned.
+// HDF5, however, keeps its metadata, such as the index of compressed chunks, in memory until a
+// flush: without step 3 a tile could be marked whose data cannot be found. Uncompressed chunks are
+// allocated at creation and written in place. Compressed chunks move when they are written, but
+// freed space is never reused, so that an index that is out of date still points to valid chunks.
+//
+// It need not survive a node that loses power. A flush ends with MPI_File_sync, an fsync on every
+// rank, so that completed rounds are on disk as far as the file system honours fsync. But between
+// two flushes the system may write to disk in any order, and the fsync is not a barrier: rank 0 can
+// mark tiles while the fsync of step 3 is still running on another node. If power fails during a
+// checkpoint, a tile of the last round may therefore be marked without its data, and HDF5's
+// metadata may be written in part, in which case the next run reports a damaged file. Arbitrary
+// bytes in unmarked tiles do no harm: the next run overwrites them.
+
 namespace trebsweep {
 
-/// What an archive's history says of a run that begins now.
-std::string history_line(const std::string& command, std::uint64_t ranks);
-
-/// The name of an archive that is not complete.
-std::filesystem::path partial_path(const std::filesystem::path& path);
-
-/// The name of a file that is being created, and will be the partial one or the archive.
-std::filesystem::path new_path(const std::filesystem::path& path);
-
-/// Creates the partial file, in which every cell has its map's fill value; no other file has its
-/// name at any time. A file under the partial file's name is replaced. Collective; the skeleton's
-/// attributes are rank 0's. Returns, the same on all ranks, the mark of this run, or nothing where
-/// a rank was stopped. Throws mpi::RootError, as where there is no space for it. Leaves nothing
-/// where it returns none or throws.
+/// Creates the partial file, in which every cell has the fill value of its map, and replaces an
+/// existing one. At no time does an incomplete file have the name. The attributes are those of rank
+/// 0. Returns the id of this run on all ranks, or nothing if any rank was stopped. Throws
+/// mpi::RootError, for example if there is not enough space. Leaves no file behind if it is stopped
+/// or throws. Collective.
 std::optional<RunId> create_partial(const std::filesystem::path& path, const Skeleton& skeleton,
-                                    const Watch& watch, MPI_Comm comm);
+                                    const ProgressCallback& progress, MPI_Comm comm);
 
-/// Makes a partial file ready for another run, of which its history gets a line: the tiles from
-/// number `done` on are to be computed. For one rank alone. Throws std::runtime_error.
+/// Prepares a partial file, whose first `done` tiles are done, for another run, and adds a line to
+/// its history. For one rank. Throws std::runtime_error.
 RunId continue_partial(const std::filesystem::path& path, const Tiling& tiling,
                        const std::vector<MapInfo>& maps, std::uint64_t done,
                        const std::string& history_line);
 
-/// Throws mpi::RootError where a rank does not see a file, as where ranks work in different folders
-/// or on file systems that they do not share. Collective.
+/// Throws mpi::RootError if a rank cannot see a file, as when ranks run in different directories or
+/// on file systems that they do not share. Collective.
 void require_visible(const std::filesystem::path& path, MPI_Comm comm);
 
-/// Gives the complete partial file, which must still have the run's mark, its own name. `replaces`
-/// is the file_identity() of the archive that has the name and is to be replaced, if any; no other
-/// file is. For one rank alone. Throws std::runtime_error.
-void finish(const std::filesystem::path& path, const RunId& mark, const std::string& replaces);
+/// Renames the complete partial file to its final name. `replaces` is as in rename_to_final(). For
+/// one rank. Throws std::runtime_error, also if another run has taken the file over.
+void finish_partial(const std::filesystem::path& path, const RunId& run_id,
+                    const std::string& replaces);
 
-/// Renames a new file, unless the name belongs to a file other than the one with the
-/// file_identity() `replaces`. Throws std::runtime_error.
-void rename_new(const std::filesystem::path& from, const std::filesystem::path& to,
-                const std::string& replaces);
+/// Renames a file. Throws std::runtime_error if the new name belongs to any file except the one
+/// whose file_identity() is `replaces`.
+void rename_to_final(const std::filesystem::path& from, const std::filesystem::path& to,
+                     const std::string& replaces);
 
-/// Runs f, which writes in the partial file; a failure says what it means.
-void write_in(const std::filesystem::path& partial, const std::function<void()>& f);
+/// Calls `write`, which writes to a partial file. Adds to the message of a failure the file's path,
+/// a limit of space that was reached, and that the sweep can be continued.
+void write_partial(const std::filesystem::path& partial, const std::function<void()>& write);
 
 }  // namespace trebsweep

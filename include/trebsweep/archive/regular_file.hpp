@@ -6,19 +6,19 @@
 
 namespace trebsweep {
 
-/// What there is instead of a regular file, in words such as "a folder" or "a FIFO"; nothing for a
-/// regular file, and for none. Opening anything else may block, or have effects of its own.
+/// The kind of a file that is not regular, such as "a directory" or "a FIFO"; nothing if it is
+/// regular or does not exist. Opening another kind of file may block or have side effects.
 std::optional<std::string> irregular_kind(const std::filesystem::file_status& status);
 
-/// The same for what a path names, links followed.
+/// The same for the file that a path names; follows symbolic links.
 std::optional<std::string> irregular_kind(const std::filesystem::path& path);
 
-/// What tells a file from any that replaces it or changes it: its inode, size and time of change;
-/// empty where there is no file. Throws std::system_error.
+/// A text that changes whenever a file is replaced or modified: its inode, size and time of
+/// modification; empty if the file does not exist. Throws std::system_error.
 std::string file_identity(const std::filesystem::path& path);
 
-/// Where a path leads that may be a symbolic link, dangling or not. Throws std::system_error where
-/// links lead in a circle.
+/// Resolves a path that may be a symbolic link, dangling or not. Throws std::system_error if the
+/// links form a loop.
 std::filesystem::path follow_links(std::filesystem::path path);
 
 }  // namespace trebsweep

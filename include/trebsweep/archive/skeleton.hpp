@@ -2,38 +2,35 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <vector>
 
 #include "trebsweep/archive/archive_format.hpp"
+#include "trebsweep/archive/progress_callback.hpp"
 #include "trebsweep/archive/run_id.hpp"
 
 namespace trebsweep {
 
-/// Told which share of some work is done, up to 1; returns whether to stop.
-using Watch = std::function<bool(double share)>;
-
-/// What an archive has before its first design is computed.
+/// An archive before its first design is computed: every dataset and attribute, no results.
 struct Skeleton {
   const Lattice& lattice;
   const Tiling& tiling;
   const std::vector<MapInfo>& maps;
-  int compression;
+  int compression;  ///< deflate level, 0 for none
   const Attributes& attributes;
 };
 
-/// The least size of the file that create_skeleton() makes, bytes; without compression it is less
-/// than a hundredth short of the archive's.
-std::uintmax_t size_of(const Skeleton& skeleton);
+/// A lower bound, in bytes, of the size of the file that create_skeleton() creates; less than one
+/// percent below that of the final archive if the maps are not compressed.
+std::uintmax_t minimum_size(const Skeleton& skeleton);
 
-/// Creates a file with all that an archive will ever hold, except for values: axes, maps with all
-/// their chunks, attributes, tile_done and tile_tally, and the mark of this run. Compressed maps
-/// are empty, the others undefined. Nothing in it is moved later, so that a killed run leaves it
-/// sound. From the first moment it is empty or starts with HDF5's signature. For one rank alone,
-/// since HDF5 would allocate every chunk of a dataset that is created in parallel. Returns nothing
-/// where it was stopped. Throws std::runtime_error, as where there is a file already.
+/// Creates a file with the axes, the maps with all their chunks, the attributes, tile_done,
+/// tile_tally and the id of this run. The chunks are empty if compressed, undefined otherwise.
+/// Nothing in the file moves later except compressed chunks, so that a killed run leaves it
+/// readable. At any time the file is empty or starts with the HDF5 signature. For one rank, because
+/// HDF5 allocates every chunk of a dataset that is created in parallel, including those without
+/// designs. Returns nothing if stopped. Throws std::runtime_error, for example if the file exists.
 std::optional<RunId> create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
-                                     const Watch& watch);
+                                     const ProgressCallback& progress);
 
 }  // namespace trebsweep

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "trebsweep/archive/archive_format.hpp"
+#include "trebsweep/archive/hdf5.hpp"
+#include "trebsweep/archive/progress_callback.hpp"
+
+namespace trebsweep {
+
+// The maps are chunked datasets: chunk and tile are the same cells, except that a chunk at the
+// upper end of an axis extends beyond its tile. Only chunks that hold designs are allocated.
+
+/// The creation properties of a map's dataset, whose chunks have the extent `edge`.
+hdf5::Properties map_properties(const MapInfo& info, const Index3& edge, int compression);
+
+/// The bytes, as stored in the file, of a chunk in which every cell has the map's fill value.
+std::vector<unsigned char> empty_chunk(hid_t properties, const MapInfo& info, const Index3& edge);
+
+/// Allocates the chunks of all tiles of a compressed map, as empty chunks. Returns false if
+/// stopped.
+bool allocate_compressed(hid_t map, const std::vector<unsigned char>& empty, const Tiling& tiling,
+                         const ProgressCallback& progress);
+
+/// Allocates the chunks of the tiles [first, end) of an uncompressed map, by writing one cell of
+/// each. Returns false if stopped.
+bool allocate_uncompressed(hid_t map, double fill, const Tiling& tiling, std::uint64_t first,
+                           std::uint64_t end, const ProgressCallback& progress);
+
+/// Fills the allocated chunks of the uncompressed maps of a file with their fill values, each rank
+/// a share of the tiles. Returns false, on all ranks, if any rank was stopped. Collective.
+bool fill_uncompressed(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
+                       const Tiling& tiling, const ProgressCallback& progress, MPI_Comm comm);
+
+/// Writes empty chunks for the tiles from `done` on that are smaller than their chunk, if the map
+/// is compressed. HDF5 reads such a chunk before writing a part of it, and a machine that failed
+/// may have left arbitrary bytes there.
+void reset_edge_chunks(hid_t file, const MapInfo& info, const Tiling& tiling, std::uint64_t done);
+
+}  // namespace trebsweep

@@ -1,0 +1,147 @@
+#include "trebsweep/archive/map_chunks.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "trebsweep/base/mpi.hpp"
+
+namespace trebsweep {
+namespace {
+
+using hdf5::check;
+
+/// Writes the chunk of a tile, given its bytes as stored in the file.
+void write_chunk(hid_t map, const Tile& tile, const std::vector<unsigned char>& bytes) {
+  const auto first = sizes(tile.first);
+  check(H5Dwrite_chunk(map, H5P_DEFAULT, 0, first.data(), bytes.size(), bytes.data()),
+        "write an empty chunk");
+}
+
+double fraction(std::uint64_t done, std::uint64_t total) {
+  return static_cast<double>(done) / static_cast<double>(total);
+}
+
+/// A map whose chunks are to be filled, with the bytes of an empty one.
+struct UnfilledMap {
+  hdf5::Dataset map;
+  std::vector<unsigned char> empty;
+};
+
+std::vector<UnfilledMap> unfilled_maps(hid_t file, const std::vector<MapInfo>& maps,
+                                       const Index3& edge) {
+  std::vector<UnfilledMap> unfilled;
+  for (const MapInfo& info : maps)
+    if (info.fill != 0)  // space that was allocated but not written reads as 0
+      unfilled.push_back({hdf5::open_dataset(file, info.dataset),
+                          empty_chunk(map_properties(info, edge, 0), info, edge)});
+  return unfilled;
+}
+
+}  // namespace
+
+hdf5::Properties map_properties(const MapInfo& info, const Index3& edge, int compression) {
+  const std::string what = "set up map " + info.dataset;
+  hdf5::Properties properties(H5Pcreate(H5P_DATASET_CREATE), what);
+  const auto chunk = sizes(edge);
+  check(H5Pset_chunk(properties, 3, chunk.data()), what);
+  check(H5Pset_fill_value(properties, H5T_NATIVE_DOUBLE, &info.fill), what);
+  check(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_INCR), what);
+  if (compression > 0) {
+    check(H5Pset_shuffle(properties), what);
+    check(H5Pset_deflate(properties, static_cast<unsigned>(compression)), what);
+  }
+  return properties;
+}
+
+std::vector<unsigned char> empty_chunk(hid_t properties, const MapInfo& info, const Index3& edge) {
+  // HDF5 itself fills and compresses the chunk, in a file in memory.
+  const std::string what = "make an empty chunk";
+  const hdf5::Properties in_memory(H5Pcreate(H5P_FILE_ACCESS), what);
+  check(H5Pset_fapl_core(in_memory, 1 << 20, false), what);
+  const hdf5::File file(H5Fcreate("chunk", H5F_ACC_TRUNC, H5P_DEFAULT, in_memory), what);
+  const auto extent = sizes(edge);
+  const hdf5::Dataspace space(H5Screate_simple(3, extent.data(), nullptr), what);
+  const hdf5::Dataset chunk(
+      H5Dcreate2(file, "chunk", file_type(info.type), space, H5P_DEFAULT, properties, H5P_DEFAULT),
+      what);
+  const std::array<hsize_t, 3> first{0, 0, 0}, one{1, 1, 1};
+  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, one.data(), nullptr),
+        what);
+  const hdf5::Dataspace memory(H5Screate_simple(3, one.data(), nullptr), what);
+  check(H5Dwrite(chunk, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, &info.fill), what);
+  check(H5Fflush(file, H5F_SCOPE_LOCAL), what);
+  hsize_t size = 0;
+  check(H5Dget_chunk_storage_size(chunk, first.data(), &size), what);
+  std::vector<unsigned char> bytes(size);
+  std::uint32_t filters = 0;
+  check(H5Dread_chunk(chunk, H5P_DEFAULT, first.data(), &filters, bytes.data()), what);
+  return bytes;
+}
+
+bool allocate_compressed(hid_t map, const std::vector<unsigned char>& empty, const Tiling& tiling,
+                         const ProgressCallback& progress) {
+  for (std::uint64_t t = 0; t < tiling.size(); ++t) {
+    if (progress(fraction(t, tiling.size()))) return false;
+    write_chunk(map, tiling.tile(t), empty);
+  }
+  return true;
+}
+
+bool allocate_uncompressed(hid_t map, double fill, const Tiling& tiling, std::uint64_t first,
+                           std::uint64_t end, const ProgressCallback& progress) {
+  const std::string what = "allocate a map";
+  const hdf5::Dataspace space(H5Dget_space(map), what);
+  // Many cells per call: with the MPI driver, each H5Dwrite of HDF5 1.10 clears a table of all
+  // chunks.
+  constexpr std::uint64_t cells_per_call = 4096;
+  while (first < end) {
+    if (progress(fraction(first, tiling.size()))) return false;
+    std::vector<std::array<hsize_t, 3>> cells;
+    for (const std::uint64_t last = std::min(first + cells_per_call, end); first < last; ++first)
+      cells.push_back(sizes(tiling.tile(first).first));
+    check(H5Sselect_elements(space, H5S_SELECT_SET, cells.size(), cells.front().data()), what);
+    const hsize_t count = cells.size();
+    const hdf5::Dataspace memory(H5Screate_simple(1, &count, nullptr), what);
+    const std::vector<double> values(cells.size(), fill);
+    check(H5Dwrite(map, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()), what);
+  }
+  return true;
+}
+
+bool fill_uncompressed(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
+                       const Tiling& tiling, const ProgressCallback& progress, MPI_Comm comm) {
+  const auto rank = static_cast<std::uint64_t>(mpi::rank(comm));
+  const auto ranks = static_cast<std::uint64_t>(mpi::size(comm));
+  hdf5::File file = hdf5::open_parallel(path, comm);
+  auto unfilled = unfilled_maps(file, maps, tiling.edge());
+  std::size_t bytes_per_tile = 1;
+  for (const UnfilledMap& map : unfilled) bytes_per_tile += map.empty.size();
+  constexpr std::uint64_t bytes_per_batch = std::uint64_t{16} << 20;
+  const std::uint64_t batch = std::max<std::uint64_t>(1, bytes_per_batch / bytes_per_tile);
+  const std::uint64_t tiles = unfilled.empty() ? 0 : tiling.size();
+  for (std::uint64_t first = 0; first < tiles; first += batch * ranks) {
+    const bool stop = progress(fraction(first, tiles));
+    if (mpi::max(stop ? 1 : 0, comm) > 0) return false;
+    mpi::on_all(comm, [&] {
+      const std::uint64_t begin = first + rank * batch, end = std::min(begin + batch, tiles);
+      for (std::uint64_t t = begin; t < end; ++t)
+        for (const UnfilledMap& map : unfilled) write_chunk(map.map, tiling.tile(t), map.empty);
+    });
+  }
+  unfilled.clear();
+  mpi::on_all(comm, [&] { file.close("close " + path.string()); });
+  return true;
+}
+
+void reset_edge_chunks(hid_t file, const MapInfo& info, const Tiling& tiling, std::uint64_t done) {
+  const hdf5::Dataset map = hdf5::open_dataset(file, info.dataset);
+  const hdf5::Properties properties(H5Dget_create_plist(map), "read a map's properties");
+  if (H5Pget_nfilters(properties) == 0) return;
+  const auto empty = empty_chunk(properties, info, tiling.edge());
+  for (std::uint64_t t = done; t < tiling.size(); ++t) {
+    const Tile tile = tiling.tile(t);
+    if (tile.count != tiling.edge()) write_chunk(map, tile, empty);
+  }
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,155 @@
+#include "trebsweep/archive/partial.hpp"
+
+#include <array>
+#include <fstream>
+
+#include "support/catch.hpp"
+#include "support/small_archive.hpp"
+#include "trebsweep/archive/regular_file.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+/// Overwrites the bytes of every chunk of the maps.
+void fill_with_garbage(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
+                       std::uint64_t chunks) {
+  std::fstream raw(path, std::ios::in | std::ios::out | std::ios::binary);
+  const hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  for (const MapInfo& info : maps) {
+    const hdf5::Dataset map = hdf5::open_dataset(file, info.dataset);
+    const hdf5::Dataspace space(H5Dget_space(map), "find chunks");
+    for (hsize_t chunk = 0; chunk < chunks; ++chunk) {
+      haddr_t address = 0;
+      hsize_t size = 0;
+      unsigned mask = 0;
+      std::array<hsize_t, 3> first;
+      hdf5::check(H5Dget_chunk_info(map, space, chunk, first.data(), &mask, &address, &size),
+                  "find a chunk");
+      raw.seekp(static_cast<std::streamoff>(address));
+      raw << std::string(size, 'x');
+    }
+  }
+}
+
+/// Creates a partial file without maps, on one rank.
+RunId create_without_maps(const std::filesystem::path& path, const SmallLattice& small,
+                          const std::string& history = "") {
+  const auto run_id =
+      create_partial(path, {small.lattice, small.tiling, {}, 0, {{"history", history}}}, never_stop,
+                     MPI_COMM_SELF);
+  REQUIRE(run_id);
+  return *run_id;
+}
+
+}  // namespace
+
+TEST_CASE("The size of an archive is known before it is created") {
+  const SmallLattice small;
+  const auto maps = two_maps(MapType::float64);
+  const Skeleton uncompressed{small.lattice, small.tiling, maps, 0, {}},
+      compressed{small.lattice, small.tiling, maps, 1, {}};
+  for (const Skeleton& skeleton : {uncompressed, compressed}) {
+    const TemporaryFile file("archive_size");
+    create_partial(file.path(), skeleton, never_stop, MPI_COMM_WORLD);
+    const auto size = static_cast<double>(std::filesystem::file_size(partial_path(file.path())));
+    constexpr double metadata = 20000;  // bytes, whatever the size of the lattice
+    const auto minimum = static_cast<double>(minimum_size(skeleton));
+    CHECK(minimum <= size);
+    CHECK(1.02 * minimum + metadata >= size);
+  }
+}
+
+TEST_CASE("An archive that cannot be created is an error that names the cause") {
+  const SmallLattice small;
+  CHECK_THROWS_WITH(create_partial("/nowhere/a.h5", {small.lattice, small.tiling, {}, 0, {}},
+                                   never_stop, MPI_COMM_WORLD),
+                    contains("cannot create /nowhere/a.h5.partial") && contains("No such file"));
+}
+
+TEST_CASE("A stop on any rank ends the creation of a partial file and leaves no file behind") {
+  const SmallLattice small;
+  const int last = mpi::size(MPI_COMM_WORLD) - 1;
+  for (const double limit : {0.0, 0.05, 0.1}) {
+    const TemporaryFile file("archive_stopped");
+    const auto stop = [&](double fraction) {
+      return mpi::rank(MPI_COMM_WORLD) == (limit < 0.1 ? 0 : last) && fraction >= limit;
+    };
+    CHECK_FALSE(create_partial(file.path(),
+                               {small.lattice, small.tiling, two_maps(MapType::float64), 0, {}},
+                               stop, MPI_COMM_WORLD));
+    MPI_Barrier(MPI_COMM_WORLD);
+    for (const auto& entry : std::filesystem::directory_iterator(file.path().parent_path()))
+      CHECK(entry.path().string().find("archive_stopped") == std::string::npos);
+  }
+}
+
+TEST_CASE("Arbitrary bytes in chunks that are not done do not affect a resumed sweep") {
+  const SmallLattice small;
+  const TemporaryFile file("archive_garbage");
+  const auto maps = two_maps(MapType::float64);
+  { const ArchiveWriter archive = create_archive(file.path(), small, maps, 4); }
+  if (mpi::rank(MPI_COMM_WORLD) == 0) {
+    fill_with_garbage(partial_path(file.path()), maps, small.tiling.size());
+    continue_partial(file.path(), small.tiling, maps, 0, "second run");
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  ArchiveWriter archive(file.path(), maps, MPI_COMM_WORLD);
+  write_all(archive, small);
+  close(archive, file.path());
+  if (mpi::rank(MPI_COMM_WORLD) == 0) {
+    const auto numbers = read_map(file.path(), "number");
+    CHECK(numbers.front() == value_of({0, 0, 0}));
+    const Index3 n = small.lattice.extent();
+    CHECK(numbers[(n[0] - 1) * n[1] * n[2]] == value_of({n[0] - 1, 0, 0}));
+  }
+}
+
+TEST_CASE("Each run adds a line to the history") {
+  const TemporaryFile file("archive_history");
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const SmallLattice small;
+  create_without_maps(file.path(), small, "first run");
+  continue_partial(file.path(), small.tiling, {}, 0, "second run");
+  const std::string long_line(5000, 'x');
+  const RunId run_id = continue_partial(file.path(), small.tiling, {}, 0, long_line);
+  finish_partial(file.path(), run_id, "");
+  const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  CHECK(hdf5::read_text_attribute(opened, "history") == "first run\nsecond run\n" + long_line);
+}
+
+TEST_CASE("A run does not finish a file that another run has taken over") {
+  const SmallLattice small;
+  enum class Event { continued, copied, moved };
+  for (const Event event : {Event::continued, Event::copied, Event::moved}) {
+    const TemporaryFile file("archive_run_id");
+    if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+    const auto partial = partial_path(file.path());
+    const std::filesystem::path other = partial.string() + ".other";
+    const RunId run_id = create_without_maps(file.path(), small);
+    check_run_id(run_id, partial);
+    if (event == Event::continued) continue_partial(file.path(), small.tiling, {}, 0, "second run");
+    if (event == Event::copied) std::filesystem::copy(partial, other);
+    if (event == Event::copied) std::filesystem::rename(other, partial);
+    if (event == Event::moved) std::filesystem::rename(partial, other);
+    CHECK_THROWS_WITH(check_run_id(run_id, partial), contains("another run"));
+    CHECK_THROWS_WITH(finish_partial(file.path(), run_id, ""), contains("another run"));
+    CHECK_FALSE(std::filesystem::exists(file.path()));
+    std::filesystem::remove(other);
+  }
+}
+
+TEST_CASE("Finishing never replaces a file other than the one that existed at the start") {
+  const TemporaryFile file("archive_surprise");
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const SmallLattice small;
+  const RunId run_id = create_without_maps(file.path(), small);
+  std::ofstream(file.path()) << "precious";
+  CHECK_THROWS_WITH(finish_partial(file.path(), run_id, ""), contains("cannot rename"));
+  CHECK(std::filesystem::file_size(file.path()) == 8);
+  const std::string identity = file_identity(file.path());
+  std::ofstream(file.path(), std::ios::app) << "!";
+  CHECK_THROWS_WITH(finish_partial(file.path(), run_id, identity), contains("cannot rename"));
+  finish_partial(file.path(), run_id, file_identity(file.path()));
+  CHECK(std::filesystem::file_size(file.path()) > 9);
+}
