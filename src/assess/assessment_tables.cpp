@@ -88,7 +88,7 @@ Table reference_table(const std::vector<Case>& cases) {
 }
 
 Table accuracy_table(const std::string& name, const std::vector<Measurement>& measured) {
-  Table table{name, "Errors of each solver on a sample of each scene's designs, and its cost"};
+  Table table{name, "Errors of each solver, and its cost, on a sample of each scene's designs"};
   const auto add = [&](const char* column, const char* units, const char* meaning,
                        auto f) -> Column& {
     return table.add_column({column, units, meaning}, measured, f);
@@ -190,8 +190,8 @@ Table stability_table(const std::vector<StepLimitMeasurement>& measured) {
 }
 
 Table growth_table(const Case& c, const std::optional<std::vector<OscillationGrowth>>& growths) {
-  Table table{"growth", fmt::format("A small oscillation of {} about its equilibrium, after {:g} "
-                                    "s: exactly, its amplitude is constant",
+  Table table{"growth", fmt::format("A small oscillation of {} about its equilibrium, after {:g} s "
+                                    "(its exact amplitude is constant)",
                                     c.name, oscillation_time)};
   if (!growths) return table;
   const auto add = [&](const char* column, const char* units, const char* meaning, auto f) {

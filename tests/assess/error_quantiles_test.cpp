@@ -6,7 +6,7 @@
 
 using namespace trebsweep;
 
-TEST_CASE("Quantiles are the median, the 95th percentile and the maximum; NaN for no errors") {
+TEST_CASE("Quantiles are the median, the 95th percentile and the maximum, and NaN for no errors") {
   std::vector<double> values;
   for (int i = 100; i >= 0; --i) values.push_back(i);
   const auto [median, p95, largest] = error_quantiles(values);
