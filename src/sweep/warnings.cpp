@@ -81,8 +81,8 @@ std::vector<Check> check(const Job& job, std::span<const Design<double>> designs
   return checks;
 }
 
-/// Checks designs on all ranks; leaves out those that are not begun after a second, or once `stop`
-/// is true. Collective.
+/// Checks designs on all ranks; leaves out those that are not started within a second, or once
+/// `stop` is true. Collective.
 std::vector<Check> check_within_a_second(const Job& job, const std::vector<Design<double>>& designs,
                                          const std::function<bool()>& stop, MPI_Comm comm) {
   constexpr std::size_t part_size = 16;  // fills the lanes

@@ -15,7 +15,8 @@ constexpr double fast = 1e-6;  // s per design
 
 }  // namespace
 
-TEST_CASE("A tile is about a fifth of a small lattice along each axis, and a block of a large one") {
+TEST_CASE(
+    "A tile is about a fifth of a small lattice along each axis, and a block of a large one") {
   CHECK(tile_edge({99, 120, 119}, fast) == Index3{20, 24, 24});
   CHECK(tile_edge({999, 1200, 1199}, fast) == Index3{48, 48, 48});
   CHECK(tile_edge({5, 1, 3}, fast) == Index3{5, 1, 3});
