@@ -29,7 +29,7 @@ std::string statuses_text(const Accuracy& a) {
   return text;
 }
 
-/// The outcome of a single design: its speed error (m/s) and steps as "1.2e-09 in 66", or the name
+/// The outcome of a single design: its speed error (m/s) and steps as "1e-09 in 66", or the name
 /// of its status, in brackets if the reference has a release and the solver has not, or vice versa.
 std::string outcome_text(const Accuracy& a) {
   if (a.statuses[static_cast<std::size_t>(Status::released)] == 1 && a.status_mismatches == 0)

@@ -114,10 +114,11 @@ std::vector<TallyRow> gather(const std::vector<NumberedTile>& tiles,
   return rows;
 }
 
-/// Computes and writes the tiles that are left, in rounds; marks the tiles of a round done once
-/// their data is on disk. Collective; ends early if any rank is stopped. `tally` has the designs of
-/// earlier runs on rank 0, and gains those that this rank computes. Returns the number of tiles
-/// done. `start_time`: MPI_Wtime() at the start of the sweep.
+/// Computes the remaining tiles in rounds. Each round ends with a checkpoint: maps and tallies are
+/// written and flushed, then the tiles are marked done and the marks flushed. A killed run
+/// therefore loses at most the round in progress. Collective; ends early if any rank is stopped.
+/// `start_time` is MPI_Wtime() at the start of the sweep. `tally` has the designs of earlier runs
+/// on rank 0, and gains those that this rank computes. Returns the number of tiles done.
 std::uint64_t run_rounds(const Context& context, const Tiling& tiling, const Start& start,
                          double start_time, const std::filesystem::path& partial,
                          ArchiveWriter& archive, Tally& tally) {

@@ -12,7 +12,7 @@
 #include "trebsweep/assess/stability.hpp"
 
 // What an assessment measures. Functions that take a communicator are collective and return the
-// same on all ranks. `cases` must outlive the results, which point into it.
+// same on all ranks. The cases must outlive the results, which point to them.
 
 namespace trebsweep {
 
@@ -68,7 +68,7 @@ struct OscillationGrowth {
   Growth growth;
 };
 
-constexpr double oscillation_time = 10;  // s
+inline constexpr double oscillation_time = 10;  ///< s
 
 /// Measures each stepper with a stability function at the first and the last time step of the
 /// assessment. Nothing if the scene is dissipative or has an elastic sling.

@@ -15,8 +15,8 @@ struct NumberedTile {
 
 /// The extent of a lattice's tiles: about a fifth of the lattice along each axis, which gives
 /// enough tiles to share among ranks but few to write. Longer along an axis where the others are
-/// short; shorter where designs are slow, so that a tile takes at most about a second of one core,
-/// given the time to integrate a design (s).
+/// short; shorter where designs are slow, so that a tile takes at most about a second of one core.
+/// `design_seconds` is the time to integrate a design.
 Index3 tile_edge(const Index3& extent, double design_seconds);
 
 /// Assigns the tiles [first, end) to ranks by the longest-processing-time-first rule (LPT): in
@@ -28,8 +28,8 @@ std::vector<std::vector<NumberedTile>> assign_tiles(std::uint64_t first, std::ui
                                                     const Tiling& tiling);
 
 /// The number of items to process next in about `target` seconds, if the last `count` took
-/// `seconds`. At least 1; changes by at most a factor of 8 upwards and 10 downwards, because a
-/// short time measures badly.
+/// `seconds`. At least 1. Grows at most eightfold and shrinks at most tenfold, since short times
+/// are unreliable.
 std::uint64_t next_count(std::uint64_t count, double seconds, double target);
 
 /// The number of tiles per rank in the next round, if the last round had `batch` and took
