@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "trebsweep/ode/stepper_info.hpp"
 #include "trebsweep/swing/integrate.hpp"
@@ -11,22 +12,14 @@
 namespace trebsweep {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// Seconds per design.
+/// Run time per design, s.
 double run_time(const Scene& scene, const Solver& solver, std::span<const Design<double>> sample,
                 int repeats) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::size_t many = 512;    // fills all lanes for most of the time
-  constexpr double long_enough = 0.3;  // s, for a single run to do
-  const std::size_t least = is_for_packs(solver.stepper) ? 64 : 1;
-  const auto seconds = [&](std::size_t count) {
+  constexpr std::size_t most_designs = 512;  // enough to keep the lanes full most of the time
+  constexpr double long_enough = 0.3;        // s: a run of this length need not be repeated
+  const std::size_t fewest_designs = is_for_packs(solver.stepper) ? 64 : 1;
+  const auto seconds_per_design = [&](std::size_t count) {
     std::vector<Design<double>> designs;
     while (designs.size() < count) designs.insert(designs.end(), sample.begin(), sample.end());
     std::vector<SwingResult> results(designs.size());
@@ -35,26 +28,17 @@ double run_time(const Scene& scene, const Solver& solver, std::span<const Design
     return std::chrono::duration<double>(Clock::now() - start).count() /
            static_cast<double>(designs.size());
   };
-  const double first = seconds(least);
-  if (first * static_cast<double>(least) > long_enough) return first;
-  const double fitting = long_enough / 10 / std::max(first, 1e-9);
-  const auto count = static_cast<std::size_t>(
-      std::clamp(fitting, static_cast<double>(least), static_cast<double>(many)));
+  const double first = seconds_per_design(fewest_designs);
+  if (first * static_cast<double>(fewest_designs) > long_enough) return first;
+  const auto count = static_cast<std::size_t>(std::clamp(long_enough / 10 / std::max(first, 1e-9),
+                                                         static_cast<double>(fewest_designs),
+                                                         static_cast<double>(most_designs)));
   std::vector<double> runs;
-  for (int i = 0; i < repeats; ++i) runs.push_back(seconds(count));
-  return median(runs);
+  for (int i = 0; i < repeats; ++i) runs.push_back(seconds_per_design(count));
+  return error_quantiles(std::move(runs)).median;
 }
 
 }  // namespace
-
-ErrorQuantiles error_quantiles(std::vector<double> errors) {
-  if (errors.empty()) return {nan, nan, nan};
-  std::sort(errors.begin(), errors.end());
-  const auto at = [&](double part) {
-    return errors[static_cast<std::size_t>(part * static_cast<double>(errors.size() - 1) + 0.5)];
-  };
-  return {at(0.5), at(0.95), errors.back()};
-}
 
 Accuracy accuracy(const Scene& scene, const Solver& solver, std::span<const Design<double>> designs,
                   std::span<const Reference> references, int repeats) {
@@ -67,7 +51,7 @@ Accuracy accuracy(const Scene& scene, const Solver& solver, std::span<const Desi
   Accuracy a;
   std::vector<double> speed, relative, time, bounds;
   double steps = 0;
-  a.drift = nan;
+  a.drift = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < designs.size(); ++i) {
     const SwingResult& result = results[i];
     const Reference& truth = references[i];

@@ -14,15 +14,15 @@
 namespace trebsweep {
 namespace {
 
-/// The fastest shot of a lattice, by an accurate sweep; none of a lattice that takes long.
-/// Collective.
+/// The fastest design of a lattice, found by integrating all of it at a tolerance of 1e-7; nothing
+/// if the lattice has more than a million designs, or no release. Collective.
 std::optional<Design<double>> optimum(const Job& job, const Lattice& lattice, MPI_Comm comm) {
   if (lattice.designs() > 1'000'000) return std::nullopt;
   const auto designs = all_designs(lattice);
-  constexpr std::size_t part = 4096;
+  constexpr std::size_t part = 4096;  // designs
   struct Best {
     double speed;
-    std::size_t place;
+    std::size_t index;
   };
   const auto slower = [](const Best& a, const Best& b) { return a.speed < b.speed; };
   const auto bests = mpi::share((designs.size() + part - 1) / part, comm, [&](std::size_t p) {
@@ -38,7 +38,7 @@ std::optional<Design<double>> optimum(const Job& job, const Lattice& lattice, MP
   });
   const Best best = *std::max_element(bests.begin(), bests.end(), slower);
   if (best.speed < 0) return std::nullopt;
-  return designs[best.place];
+  return designs[best.index];
 }
 
 Case make_case(const std::string& name, const Job& job, bool extreme, std::size_t count,
@@ -75,15 +75,18 @@ std::vector<Case> make_cases(const Job& job, MPI_Comm comm) {
 }
 
 void compute_references(std::vector<Case>& cases, MPI_Comm comm) {
-  std::vector<std::pair<std::size_t, std::size_t>> places;
+  struct Index {
+    std::size_t test_case, design;
+  };
+  std::vector<Index> indices;
   for (std::size_t c = 0; c < cases.size(); ++c)
-    for (std::size_t d = 0; d < cases[c].designs.size(); ++d) places.emplace_back(c, d);
-  const auto references = mpi::share(places.size(), comm, [&](std::size_t i) {
-    const Case& c = cases[places[i].first];
-    return reference(c.job.scene, c.designs[places[i].second], c.job.solver);
+    for (std::size_t d = 0; d < cases[c].designs.size(); ++d) indices.push_back({c, d});
+  const auto references = mpi::share(indices.size(), comm, [&](std::size_t i) {
+    const Case& c = cases[indices[i].test_case];
+    return reference(c.job.scene, c.designs[indices[i].design], c.job.solver);
   });
-  for (std::size_t i = 0; i < places.size(); ++i)
-    cases[places[i].first].references.push_back(references[i]);
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    cases[indices[i].test_case].references.push_back(references[i]);
 }
 
 }  // namespace trebsweep

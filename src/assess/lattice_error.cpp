@@ -9,8 +9,8 @@
 namespace trebsweep {
 namespace {
 
-/// Where the largest number is; NaN is none.
-std::size_t place_of_largest(const std::vector<double>& values) {
+/// The index of the largest number, ignoring NaN; 0 if all are NaN.
+std::size_t index_of_largest(const std::vector<double>& values) {
   const auto less = [](double a, double b) { return !std::isnan(b) && !(a >= b); };
   return static_cast<std::size_t>(std::max_element(values.begin(), values.end(), less) -
                                   values.begin());
@@ -18,10 +18,9 @@ std::size_t place_of_largest(const std::vector<double>& values) {
 
 }  // namespace
 
-std::vector<double> lattice_speeds(const Scene& scene, const Solver& solver,
-                                   const std::vector<Design<double>>& designs, double& seconds,
-                                   MPI_Comm comm) {
-  // In turn, so that every rank has its share of what takes long.
+LatticeSpeeds lattice_speeds(const Scene& scene, const Solver& solver,
+                             const std::vector<Design<double>>& designs, MPI_Comm comm) {
+  // Dealt round-robin: slow designs are neighbours, so blocks would not balance.
   const auto rank = static_cast<std::size_t>(mpi::rank(comm));
   const auto ranks = static_cast<std::size_t>(mpi::size(comm));
   std::vector<Design<double>> own;
@@ -29,29 +28,30 @@ std::vector<double> lattice_speeds(const Scene& scene, const Solver& solver,
   std::vector<SwingResult> results(own.size());
   const double start = MPI_Wtime();
   integrate(scene, solver, {own, results});
-  seconds = mpi::max(MPI_Wtime() - start, comm);
+  const double seconds = mpi::max(MPI_Wtime() - start, comm);
   std::vector<double> speeds(designs.size(), 0);
   for (std::size_t i = 0; i < own.size(); ++i) speeds[rank + i * ranks] = results[i].speed;
   MPI_Allreduce(MPI_IN_PLACE, speeds.data(), static_cast<int>(speeds.size()), MPI_DOUBLE, MPI_SUM,
                 comm);
-  return speeds;
+  return {std::move(speeds), seconds};
 }
 
 LatticeError lattice_error(const Scene& scene, const Solver& solver,
                            const std::vector<Design<double>>& designs,
                            const std::vector<double>& truth, MPI_Comm comm) {
+  const auto [speeds, seconds] = lattice_speeds(scene, solver, designs, comm);
   LatticeError e{};
-  const auto speeds = lattice_speeds(scene, solver, designs, e.seconds, comm);
-  std::vector<double> sizes, relative;
+  e.seconds = seconds;
+  std::vector<double> errors, relative;
   for (std::size_t i = 0; i < designs.size(); ++i) {
     if (std::isnan(speeds[i]) != std::isnan(truth[i])) ++e.status_mismatches;
     if (std::isnan(speeds[i]) || std::isnan(truth[i])) continue;
-    sizes.push_back(std::abs(speeds[i] - truth[i]));
+    errors.push_back(std::abs(speeds[i] - truth[i]));
     relative.push_back((speeds[i] - truth[i]) / truth[i]);
   }
-  e.speed = error_quantiles(std::move(sizes));
+  e.speed = error_quantiles(std::move(errors));
   e.median_relative = error_quantiles(std::move(relative)).median;
-  const std::size_t best = place_of_largest(speeds), true_best = place_of_largest(truth);
+  const std::size_t best = index_of_largest(speeds), true_best = index_of_largest(truth);
   e.best = designs[best];
   e.best_speed = speeds[best];
   e.optimum_error = speeds[true_best] - truth[true_best];

@@ -23,7 +23,7 @@ bool is_text(const Column& column) {
   return std::holds_alternative<std::vector<std::string>>(column.values);
 }
 
-/// A dataset of n values of a type, without values yet.
+/// Creates a dataset of n values; they are yet to be written.
 hdf5::Dataset create(hid_t group, const std::string& name, hid_t type, std::size_t n) {
   const std::string what = "create column " + name;
   const hsize_t count = n;
@@ -34,13 +34,13 @@ hdf5::Dataset create(hid_t group, const std::string& name, hid_t type, std::size
 
 void write_column(hid_t group, const Column& column, hid_t rows, std::size_t n) {
   const std::string what = "write column " + column.name;
-  const hdf5::Datatype text = hdf5::text_type();
+  const hdf5::Datatype text_type = hdf5::text_type();
   const hdf5::Dataset dataset =
-      create(group, column.name, is_text(column) ? text : hid_t{H5T_IEEE_F64LE}, n);
+      create(group, column.name, is_text(column) ? text_type : hid_t{H5T_IEEE_F64LE}, n);
   if (const auto* texts = std::get_if<std::vector<std::string>>(&column.values)) {
     std::vector<const char*> pointers;
-    for (const std::string& t : *texts) pointers.push_back(t.c_str());
-    check(H5Dwrite(dataset, text, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()), what);
+    for (const std::string& text : *texts) pointers.push_back(text.c_str());
+    check(H5Dwrite(dataset, text_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()), what);
   } else {
     const auto& numbers = std::get<std::vector<double>>(column.values);
     check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()),
@@ -76,7 +76,7 @@ std::string to_text(const Table& table) {
   }
   for (std::string& line : lines) {
     line.erase(line.find_last_not_of(' ') + 1);
-    if (!line.empty()) text += line + "\n";  // where nothing has a unit
+    if (!line.empty()) text += line + "\n";  // the line of units may be empty
   }
   return text;
 }

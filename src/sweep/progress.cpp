@@ -12,9 +12,9 @@
 namespace trebsweep {
 namespace {
 
-/// Whether stderr ends in a terminal. mpirun puts a pipe between, so under it the question goes to
-/// the launcher's own stderr (Linux only; elsewhere, and on other hosts, the answer is no).
-bool on_terminal() {
+/// Whether stderr reaches a terminal. mpirun forwards it through a pipe, so under mpirun this
+/// examines the launcher's stderr instead (on Linux; false elsewhere and on other hosts).
+bool reaches_terminal() {
   if (isatty(STDERR_FILENO)) return true;
   if (!std::getenv("OMPI_COMM_WORLD_SIZE") && !std::getenv("PMI_SIZE")) return false;
   const int launcher = open(fmt::format("/proc/{}/fd/2", getppid()).c_str(), O_WRONLY | O_NOCTTY);
@@ -35,7 +35,7 @@ std::string clock_text(double seconds) {
 Progress::Progress(std::uint64_t before, std::uint64_t total, ProgressStyle style, std::string unit)
     : before_(before), total_(total), style_(style), unit_(std::move(unit)) {
   if (style_ == ProgressStyle::automatic)
-    style_ = on_terminal() ? ProgressStyle::bar : ProgressStyle::lines;
+    style_ = reaches_terminal() ? ProgressStyle::bar : ProgressStyle::lines;
 }
 
 void Progress::update(std::uint64_t done) {
@@ -43,17 +43,18 @@ void Progress::update(std::uint64_t done) {
   const bool bar = style_ == ProgressStyle::bar;
   const bool complete = done >= total_;
   const auto now = Clock::now();
-  const auto pause = bar ? std::chrono::milliseconds(100) : std::chrono::seconds(10);
-  if (now - told_ < pause && !(bar && complete)) return;
-  told_ = now;
+  const auto interval = bar ? std::chrono::milliseconds(100) : std::chrono::seconds(10);
+  if (now - last_report_ < interval && !(bar && complete)) return;
+  last_report_ = now;
 
   const double share = static_cast<double>(done) / static_cast<double>(total_);
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const double pace = static_cast<double>(done - before_) / elapsed;
-  const std::string time = complete ? "in " + clock_text(elapsed)
-                           : done == before_
-                               ? ""  // no pace yet
-                               : clock_text(static_cast<double>(total_ - done) / pace) + " left";
+  const double rate = static_cast<double>(done - before_) / elapsed;
+  std::string time;  // empty as long as there is no rate
+  if (complete)
+    time = "in " + clock_text(elapsed);
+  else if (done > before_)
+    time = clock_text(static_cast<double>(total_ - done) / rate) + " left";
   const std::string numbers =
       fmt::format("{:3.0f} %  {} of {} {}  {}", 100 * share, done, total_, unit_, time);
   if (bar) {

@@ -14,14 +14,15 @@ std::uint64_t tiles_along(const Index3& extent, const Index3& edge, std::size_t 
 
 }  // namespace
 
-Index3 tile_edge(const Index3& extent, double seconds) {
+Index3 tile_edge(const Index3& extent, double design_seconds) {
   constexpr std::uint64_t many_tiles = 4096, most_cells = 48 * 48 * 48;
-  constexpr double longest = 1;  // s
+  constexpr double most_seconds = 1;
   Index3 edge;
   for (std::size_t d = 0; d < 3; ++d) {
-    const std::size_t most = extent[d] > 2500 ? 64 : 48;
-    edge[d] = std::min(extent[d], std::clamp<std::size_t>((extent[d] + 4) / 5, 16, most));
+    const std::size_t longest = extent[d] > 2500 ? 64 : 48;
+    edge[d] = std::min(extent[d], std::clamp<std::size_t>((extent[d] + 4) / 5, 16, longest));
   }
+  // On a flat or linear lattice, these edges give tiles of few cells: lengthen them.
   constexpr std::array<std::size_t, 3> axes{0, 1, 2};
   const auto along = [&](std::size_t axis) { return tiles_along(extent, edge, axis); };
   while (along(0) * along(1) * along(2) > many_tiles && 2 * cells(edge) <= most_cells) {
@@ -30,7 +31,7 @@ Index3 tile_edge(const Index3& extent, double seconds) {
                           [&](std::size_t a, std::size_t b) { return along(a) < along(b); });
     edge[axis] = std::min(2 * edge[axis], extent[axis]);
   }
-  while (static_cast<double>(cells(edge)) * seconds > longest && cells(edge) > 1) {
+  while (static_cast<double>(cells(edge)) * design_seconds > most_seconds && cells(edge) > 1) {
     auto& longest_edge = *std::max_element(edge.begin(), edge.end());
     longest_edge = (longest_edge + 1) / 2;
   }
@@ -40,36 +41,38 @@ Index3 tile_edge(const Index3& extent, double seconds) {
 std::vector<std::vector<NumberedTile>> assign_tiles(std::uint64_t first, std::uint64_t end,
                                                     std::uint64_t ranks, const Lattice& lattice,
                                                     const Tiling& tiling) {
-  struct Sized {
+  struct SizedTile {
     std::uint64_t designs, number;
   };
-  std::vector<Sized> tiles;
+  std::vector<SizedTile> tiles;
   for (std::uint64_t t = first; t < end; ++t)
     tiles.push_back({lattice.designs_in(tiling.tile(t)), t});
   std::stable_sort(tiles.begin(), tiles.end(),
-                   [](const Sized& a, const Sized& b) { return a.designs > b.designs; });
+                   [](const SizedTile& a, const SizedTile& b) { return a.designs > b.designs; });
 
   using Load = std::pair<std::uint64_t, std::uint64_t>;  // designs, rank
   std::priority_queue<Load, std::vector<Load>, std::greater<>> loads;
   for (std::uint64_t rank = 0; rank < ranks; ++rank) loads.push({0, rank});
   std::vector<std::vector<NumberedTile>> assigned(ranks);
   for (const auto& [designs, number] : tiles) {
-    const auto [sum, rank] = loads.top();
+    const auto [load, rank] = loads.top();
     loads.pop();
     assigned[rank].push_back({number, tiling.tile(number)});
-    loads.push({sum + designs, rank});
+    loads.push({load + designs, rank});
   }
   return assigned;
 }
 
-std::uint64_t paced(std::uint64_t count, double seconds, double wanted) {
-  const double pace = std::clamp(wanted / std::max(seconds, 1e-9), 0.1, 8.0);
-  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(count) * pace));
+std::uint64_t next_count(std::uint64_t count, double seconds, double target) {
+  const double factor = std::clamp(target / std::max(seconds, 1e-9), 0.1, 8.0);
+  return std::max<std::uint64_t>(1,
+                                 static_cast<std::uint64_t>(static_cast<double>(count) * factor));
 }
 
 std::uint64_t next_batch(std::uint64_t batch, double round_seconds, std::size_t bytes_per_tile) {
-  const std::uint64_t most = std::max<std::uint64_t>(1, (std::uint64_t{64} << 20) / bytes_per_tile);
-  return std::min(paced(batch, round_seconds, 2.0), most);
+  constexpr std::uint64_t most_bytes = 64 << 20;
+  const std::uint64_t most_tiles = std::max<std::uint64_t>(1, most_bytes / bytes_per_tile);
+  return std::min(next_count(batch, round_seconds, 2.0), most_tiles);
 }
 
 }  // namespace trebsweep

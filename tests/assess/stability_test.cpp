@@ -12,7 +12,8 @@ namespace {
 
 constexpr Design<double> optimum{0.51, 0.58, 0.91};
 
-/// The exponential's Taylor polynomial: what methods with as many stages as orders make of it.
+/// The Taylor polynomial of exp(z): the stability function of a method with as many stages as its
+/// order.
 std::complex<double> taylor(const std::complex<double>& z, int degree) {
   std::complex<double> sum = 1, term = 1;
   for (int n = 1; n <= degree; ++n) sum += term *= z / static_cast<double>(n);
@@ -27,37 +28,37 @@ Solver limits() {
 
 }  // namespace
 
-TEST_CASE("Stability functions are those of the textbooks") {
+TEST_CASE("Stability functions agree with the textbook formulas") {
   for (const std::complex<double> z : {std::complex<double>{-0.7, 0.4}, {0.1, 2}, {-3, -1}}) {
     CHECK(std::abs(stability_function("euler", z) - taylor(z, 1)) < 1e-12);
     CHECK(std::abs(stability_function("modified_midpoint", z) - taylor(z, 2)) <
           std::abs(z * z * z));
     CHECK(std::abs(stability_function("rk4", z) - taylor(z, 4)) < 1e-12);
   }
-  for (const auto name : stepper_names) {
-    if (!is_for_packs(name)) continue;
+  for (const auto& stepper : stepper_info) {
+    if (!stepper.for_packs) continue;
     const std::complex<double> z{-0.01, 0.02};
-    CHECK(std::abs(stability_function(std::string(name), z) - std::exp(z)) < 3e-4);
+    CHECK(std::abs(stability_function(std::string(stepper.name), z) - std::exp(z)) < 3e-4);
   }
 }
 
-TEST_CASE("rosenbrock4 is A-stable, and lets stiff modes die") {
+TEST_CASE("rosenbrock4 is A-stable and damps stiff modes") {
   for (const double y : {0.1, 1.0, 10.0, 1e3, 1e6})
     CHECK(std::abs(stability_function("rosenbrock4", {0, y})) <= 1 + 1e-9);
   CHECK(std::abs(stability_function("rosenbrock4", {-1e6, 0})) < 1e-3);
 }
 
-TEST_CASE("Euler's method amplifies an oscillation as its stability function says") {
+TEST_CASE("Euler's method amplifies an oscillation as its stability function predicts") {
   for (const double h : {0.01, 0.001}) {
-    const auto [rate, predicted, seen] = growth("euler", Scene{}, optimum, h, 5);
+    const auto [rate, predicted, observed] = growth("euler", Scene{}, optimum, h, 5);
     CHECK(predicted == Approx(std::pow(1 + h * h * rate * rate, 2.5 / h)));
     CHECK(predicted > 1.05);
-    CHECK(seen == Approx(predicted).epsilon(0.01));
+    CHECK(observed == Approx(predicted).epsilon(0.01));
   }
-  CHECK(growth("fehlberg78", Scene{}, optimum, 0.01, 5).seen == Approx(1).margin(1e-5));
+  CHECK(growth("fehlberg78", Scene{}, optimum, 0.01, 5).observed == Approx(1).margin(1e-5));
 }
 
-TEST_CASE("At rest under a heavy counterweight, arm and sling oscillate as pendulums") {
+TEST_CASE("Near equilibrium under a heavy counterweight, arm and sling oscillate as pendulums") {
   Scene scene;
   scene.counterweight_mass = 1e12;
   scene.beam_density = 0;
@@ -67,19 +68,19 @@ TEST_CASE("At rest under a heavy counterweight, arm and sling oscillate as pendu
         Approx(std::sqrt(scene.gravity / 0.3)).epsilon(1e-6));
 }
 
-TEST_CASE("The stiffness of an overdamped sling is that of its damper") {
+TEST_CASE("The stiffness of an overdamped sling is close to the decay rate of its damper") {
   Scene scene;
   scene.sling_stiffness = 1e6;
   scene.sling_damping = 1e7;
   const auto [modulus, decay] = stiffness(spectra(scene, optimum, limits()));
-  // The tip of the arm takes part in the stretching, by less than a tenth here.
+  // The arm's tip moves as the sling stretches, which adds less than 10 % here.
   const double damper = scene.sling_damping / scene.projectile_mass;
   CHECK(modulus == decay);
   CHECK(decay > damper);
   CHECK(decay < 1.1 * damper);
 }
 
-TEST_CASE("The largest stable step of a stiff scene is the one seen to fail") {
+TEST_CASE("In a stiff scene, steps become unusable near the largest stable step") {
   Scene scene;
   scene.sling_stiffness = 1e7;
   const Reference truth = reference(scene, optimum, limits());
@@ -93,7 +94,7 @@ TEST_CASE("The largest stable step of a stiff scene is the one seen to fail") {
   CHECK(std::isinf(largest_stable_step("rosenbrock4", along)));
 }
 
-TEST_CASE("Every stepper converges at its order along whole swings") {
+TEST_CASE("Every stepper converges at its theoretical order over whole swings") {
   const std::array designs{optimum, Design<double>{0.8, 0.5, 0.7}};
   std::vector<Reference> references;
   for (const auto& design : designs) references.push_back(reference(Scene{}, design, limits()));

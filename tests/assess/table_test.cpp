@@ -23,11 +23,11 @@ Table fruit() {
 
 }  // namespace
 
-TEST_CASE("A table's text is aligned, with units, a dash for no number, and no hidden column") {
+TEST_CASE("Printed tables are aligned, with units, a dash for NaN, and without hidden columns") {
   CHECK(to_text(fruit()) == "What there is\nname   mass\n         kg\napple  0.15\nfig       -\n");
 }
 
-TEST_CASE("A table in a file has a dataset per column along one dimension") {
+TEST_CASE("A stored table has a dataset per column, along one dimension") {
   const std::filesystem::path path = TEST_DIR "/table_test.h5";
   {
     hdf5::File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), "create");

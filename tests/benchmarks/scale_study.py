@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """What to expect of many ranks: measures a design's integration, an archive's start and the writing on this
-machine, and plays the sweep's own rounds with them for a lattice and numbers of ranks, as tables.
+machine, and simulates the sweep's schedule with them for a lattice and numbers of ranks, as tables.
 
     tests/benchmarks/scale_study.py [GB_PER_SECOND ...]   rates of file systems, default 1 10 100; needs a build, h5py, mpirun
 
@@ -25,7 +25,7 @@ JOB = os.path.join(REPOSITORY, "jobs", "millimetre.cfg")
 RANKS = (2, 16, 64, 256, 1000, 4000, 10000)
 # Nothing to integrate: what remains is the work around it.
 IDLE = ("--solver.max-time", "1e-9")
-ROUND_SECONDS, ROUND_BYTES = 2.0, 64 << 20  # as in src/schedule.cpp
+ROUND_SECONDS, ROUND_BYTES = 2.0, 64 << 20  # as in src/sweep/schedule.cpp
 MAPS = 3
 FILLED = 8 / 9                              # of an archive's bytes, filled with NaN first: not the status
 CELL_BYTES = 3 * 8                          # of three maps in memory
@@ -109,7 +109,7 @@ def integration_seconds(sizes, edge, ranks, per_design):
 
 
 def main():
-    """Measures, plays and prints."""
+    """Measures, simulates and prints."""
     rates = [float(word) for word in sys.argv[1:]] or [1.0, 10.0, 100.0]
     with tempfile.TemporaryDirectory() as folder:
         per_design, per_tile, per_design_bytes, rate = measure(folder)

@@ -169,7 +169,7 @@ class Warnings(CommandTest):
     def test_steps_that_change_statuses_or_create_energy_are_seen(self):
         euler = self.write("euler.cfg", "[solver]\nstepper = euler\nrelease = window\ntime-step = 0.1\n")
         warnings = self.warnings("--lattice.increment", "0.05", job=euler)
-        self.assertEqual(sum("another status when integrated accurately" in line for line in warnings), 1)
+        self.assertEqual(sum("a different status when integrated accurately" in line for line in warnings), 1)
         self.assertEqual(sum("an energy efficiency above 1" in line for line in warnings), 1)
 
     def test_slack_slings_among_the_best_are_counted(self):

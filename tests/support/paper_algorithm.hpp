@@ -2,17 +2,18 @@
 
 #include <cmath>
 
-/// The paper's algorithm, plainly: forward Euler (42)-(45) on (40) and (36), one design at a time.
-/// It shares nothing with the program; the tests hold the program against it, and paper_serial
-/// times it.
+/// The paper's algorithm in plain C++: forward Euler (42)-(45) applied to (40) and (36), one design
+/// at a time. It shares no code with the program; tests compare the program with it, and
+/// paper_serial measures its run time.
 namespace paper {
 
 struct SwingResult {
-  int step;  // -1: never inside the window
-  double time, speed;
+  int step;            ///< -1 if phi1 never enters the release window
+  double time, speed;  ///< s, m/s
 };
 
-inline SwingResult shoot(double r1, double r3, double r2) {
+/// Lengths in metres.
+inline SwingResult swing(double r1, double r3, double r2) {
   const double pi = 3.14159265358979323846;
   const double g = 9.8, m1 = 5000, m3 = 100, h = 2, h0 = 1.5, rho = 7850, s = 0.10, dt = 0.01;
   const double m2 = rho * s * s * (r1 + r2);
@@ -40,13 +41,13 @@ inline SwingResult shoot(double r1, double r3, double r2) {
   return {-1, 0, 0};
 }
 
-/// Calls f(shot, r1, r3, r2) for each of the 706,860 designs of (47)-(49).
+/// Calls f(result, i1, i3, i2) for each of the 706,860 designs of (47)-(49); r1 = i1 cm, and so on.
 template <class F>
 void sweep(F f) {
   for (int i1 = 51; i1 < 150; ++i1)
     for (int i3 = 30; i3 < 150; ++i3)
       for (int i2 = 1; i2 < 150 - i3; ++i2)
-        f(shoot(i1 / 100.0, i3 / 100.0, i2 / 100.0), i1, i3, i2);
+        f(swing(i1 / 100.0, i3 / 100.0, i2 / 100.0), i1, i3, i2);
 }
 
 }  // namespace paper

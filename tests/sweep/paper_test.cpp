@@ -7,7 +7,7 @@
 
 using namespace trebsweep;
 
-TEST_CASE("The whole lattice by the paper's rules equals the paper's algorithm to 1e-9") {
+TEST_CASE("On the whole lattice, the paper's job agrees with the paper's algorithm to 1e-9") {
   const TemporaryFile file("paper");
   Job job = parse_job(read_job_file(SOURCE_DIR "/jobs/paper.cfg"), "paper.cfg", {});
   job.output.file = file.path();

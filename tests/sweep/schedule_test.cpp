@@ -15,13 +15,14 @@ constexpr double fast = 1e-6;  // s per design
 
 }  // namespace
 
-TEST_CASE("Tiles are about a fifth of a lattice, and blocks of a large one") {
+TEST_CASE(
+    "A tile is about a fifth of a small lattice along each axis, and a block of a large one") {
   CHECK(tile_edge({99, 120, 119}, fast) == Index3{20, 24, 24});
   CHECK(tile_edge({999, 1200, 1199}, fast) == Index3{48, 48, 48});
   CHECK(tile_edge({5, 1, 3}, fast) == Index3{5, 1, 3});
 }
 
-TEST_CASE("A long or flat lattice does not fall into millions of tiles") {
+TEST_CASE("A long or flat lattice has fewer than 10,000 tiles") {
   for (const Index3& extent :
        {Index3{9'000'000, 1, 1}, Index3{1, 1, 9'000'000}, Index3{20'000, 1, 20'000}}) {
     const Index3 edge = tile_edge(extent, fast);
@@ -30,7 +31,7 @@ TEST_CASE("A long or flat lattice does not fall into millions of tiles") {
   }
 }
 
-TEST_CASE("A tile takes at most about a second of a core, however slow its designs") {
+TEST_CASE("A tile takes at most a second of one core, or is a single design") {
   for (const double seconds : {1e-6, 1e-4, 1e-2, 0.3, 5.0}) {
     const Index3 edge = tile_edge({99, 120, 119}, seconds);
     CHECK((static_cast<double>(cells(edge)) * seconds <= 1 || cells(edge) == 1));
@@ -38,7 +39,7 @@ TEST_CASE("A tile takes at most about a second of a core, however slow its desig
   }
 }
 
-TEST_CASE("Every tile of a round is assigned once, and ranks have nearly the same load") {
+TEST_CASE("Every tile of a round is assigned to one rank, and loads differ by at most one tile") {
   const Lattice lattice(Scene{}, LatticeSpec{});
   const Tiling tiling(lattice, {20, 24, 24});
   const std::uint64_t first = 3, end = tiling.size() - 2;
@@ -62,8 +63,8 @@ TEST_CASE("Every tile of a round is assigned once, and ranks have nearly the sam
   }
 }
 
-TEST_CASE("Rounds grow towards two seconds and stay within 64 MiB per rank") {
-  CHECK(next_batch(1, 0.1, 1000) == 8);  // no more than eightfold
+TEST_CASE("Rounds approach two seconds and stay within 64 MiB per rank") {
+  CHECK(next_batch(1, 0.1, 1000) == 8);  // grows at most eightfold
   CHECK(next_batch(10, 4, 1000) == 5);
   CHECK(next_batch(1, 100, 1000) == 1);
   CHECK(next_batch(8, 0.1, 16 << 20) == 4);

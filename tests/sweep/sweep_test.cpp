@@ -37,7 +37,8 @@ bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; 
 
 }  // namespace
 
-TEST_CASE("Every cell of a sweep is, to the bit, its design integrated alone") {
+TEST_CASE(
+    "On any number of ranks and for any tiles, a cell is bitwise its design integrated alone") {
   const TemporaryFile file("sweep");
   const Job job = coarse_job(file);
   for (const Index3& edge : {Index3{16, 16, 16}, Index3{1, 1, 1}, Index3{2, 5, 3}}) {
@@ -73,7 +74,7 @@ TEST_CASE("Every cell of a sweep is, to the bit, its design integrated alone") {
   }
 }
 
-TEST_CASE("Speeds of the accurate job are within 1e-6 m/s of a tight tolerance's") {
+TEST_CASE("The accurate job's speeds are within 1e-6 m/s of those at a tolerance of 1e-12") {
   Job job = parse_job(read_job_file(SOURCE_DIR "/jobs/accurate.cfg"), "accurate.cfg", {});
   job.lattice.increment = 0.05;
   const TemporaryFile file("accurate");
@@ -96,7 +97,7 @@ TEST_CASE("Speeds of the accurate job are within 1e-6 m/s of a tight tolerance's
   }
 }
 
-TEST_CASE("A sweep of one design works on any number of ranks") {
+TEST_CASE("A sweep of one design gives the same optimum on any number of ranks") {
   const TemporaryFile file("single");
   Job job = coarse_job(file);
   job.lattice.r1 = AxisRange{0.75, 0.75, 1};
@@ -110,7 +111,7 @@ TEST_CASE("A sweep of one design works on any number of ranks") {
   CHECK(summary->optimum->design.r2 == 4);
 }
 
-TEST_CASE("Designs without a shot have a status and no speed") {
+TEST_CASE("Designs without a release have a status, but neither speed nor release time") {
   const TemporaryFile file("statuses");
   Job job = coarse_job(file);
   job.lattice.r1 = AxisRange{0.4, 0.6, 0.1};
@@ -132,7 +133,7 @@ TEST_CASE("Designs without a shot have a status and no speed") {
   }
 }
 
-TEST_CASE("Where nothing is released there is no optimum") {
+TEST_CASE("A sweep without a release has no optimum") {
   const TemporaryFile file("nothing");
   Job job = coarse_job(file);
   job.solver.max_time = 0.01;
@@ -142,7 +143,7 @@ TEST_CASE("Where nothing is released there is no optimum") {
   CHECK_THAT(to_text(*summary, job.output.optimum_filter), contains("optimum   none"));
 }
 
-TEST_CASE("Only the maps asked for are stored") {
+TEST_CASE("Only the requested maps are stored") {
   const TemporaryFile file("fields");
   Job job = coarse_job(file);
   job.output.fields = {Field::speed};
@@ -154,7 +155,7 @@ TEST_CASE("Only the maps asked for are stored") {
   }
 }
 
-TEST_CASE("An archive is kept: the same job is done already, another one is refused") {
+TEST_CASE("An existing archive is kept: the same job is complete, another job is refused") {
   const TemporaryFile file("kept");
   Job job = coarse_job(file);
   SweepOptions options = quiet();
@@ -169,7 +170,7 @@ TEST_CASE("An archive is kept: the same job is done already, another one is refu
   CHECK(sweep(job, options, MPI_COMM_WORLD));
 }
 
-TEST_CASE("A sweep that was stopped again and again ends in the same archive") {
+TEST_CASE("A sweep stopped repeatedly produces bitwise the same maps and the same optimum") {
   const TemporaryFile straight("straight"), stopped("stopped");
   Job job = coarse_job(straight);
   const int compression = GENERATE(0, 1);
@@ -189,13 +190,12 @@ TEST_CASE("A sweep that was stopped again and again ends in the same archive") {
   std::uint64_t before = 0;
   int runs = 0;
   do {
-    // The first run is stopped while rank 0 makes the file, the others after a round or two.
+    // The first run is stopped while rank 0 creates the file, the others after a round or two.
     const Tiling tiling(Lattice(job.scene, job.lattice), edge);
-    const int making =
-        compression > 0 ? static_cast<int>(2 * tiling.size()) : 4;  // is asked so often
-    int left = runs == 0 ? 3 : runs == 1 && root() ? making + 5 : 5;
-    options.stop = [&] { return left-- <= 0; };
-    options.tile_edge = runs < 2 ? edge : Index3{7, 7, 7};  // the file has its own from then on
+    const int calls_while_creating = compression > 0 ? static_cast<int>(2 * tiling.size()) : 4;
+    int calls_left = runs == 0 ? 3 : runs == 1 && root() ? calls_while_creating + 5 : 5;
+    options.stop = [&] { return calls_left-- <= 0; };
+    options.tile_edge = runs < 2 ? edge : Index3{7, 7, 7};  // ignored: the file has its own
     summary = sweep(job, options, MPI_COMM_WORLD);
     REQUIRE(summary);
     CHECK(summary->designs() >= before);

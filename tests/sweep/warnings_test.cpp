@@ -9,7 +9,7 @@ using namespace trebsweep;
 
 namespace {
 
-/// The warnings of a job, of which the whole lattice is integrated.
+/// Integrates a job's whole lattice and returns its warnings.
 std::vector<std::string> warnings_of(const Job& job) {
   const Lattice lattice(job.scene, job.lattice);
   Summary summary;
@@ -23,7 +23,7 @@ std::vector<std::string> warnings_of(const Job& job) {
       job, lattice, summary, [] { return false; }, MPI_COMM_WORLD);
 }
 
-/// How many of the warnings have those words.
+/// The number of lines that contain the words.
 std::ptrdiff_t count(const std::vector<std::string>& lines, const std::string& words) {
   return std::count_if(lines.begin(), lines.end(),
                        [&](const std::string& line) { return line.find(words) != line.npos; });
@@ -37,7 +37,7 @@ Job coarse_job() {
 
 }  // namespace
 
-TEST_CASE("The paper's optimum lies on two edges of its lattice") {
+TEST_CASE("The warning for the paper's optimum names both edges of the lattice that it lies on") {
   const auto lines = warnings_of(coarse_job());
   REQUIRE(lines.size() == 1);
   CHECK(lines[0] ==
@@ -46,7 +46,7 @@ TEST_CASE("The paper's optimum lies on two edges of its lattice") {
         "r2 = 0.9 m, the largest allowed by r2 < h0 - r3 (49)");
 }
 
-TEST_CASE("An axis with one value has no edge") {
+TEST_CASE("An axis with a single value has no edge to warn of") {
   Job job = coarse_job();
   job.lattice.r1 = AxisRange{0.51, 0.51, 1};
   job.lattice.r3 = AxisRange{0.58, 0.58, 1};
@@ -54,33 +54,33 @@ TEST_CASE("An axis with one value has no edge") {
   CHECK(warnings_of(job).empty());
 }
 
-TEST_CASE("A lattice without a release has no optimum to doubt") {
+TEST_CASE("A lattice without a release has no warnings") {
   Job job = coarse_job();
   job.scene.pivot_friction = 1e9;
   CHECK(warnings_of(job).empty());
 }
 
-TEST_CASE("Steps of a fifth of a second are seen to change statuses") {
+TEST_CASE("A time step of 0.2 s is reported to change statuses") {
   Job job = coarse_job();
   job.solver = paper_solver();
   job.solver.time_step = 0.2;
-  CHECK(count(warnings_of(job), "another status when integrated accurately") == 1);
+  CHECK(count(warnings_of(job), "a different status when integrated accurately") == 1);
 }
 
-TEST_CASE("A fixed step that spoils the speeds is seen by its error at the optimum") {
+TEST_CASE("A time step that is too long for accurate speeds is reported") {
   Job job = coarse_job();
   job.solver.stepper = "euler";
   job.solver.time_step = 0.05;
   CHECK(count(warnings_of(job), "the fixed step is long") == 1);
 }
 
-TEST_CASE("Designs that start at their release do not create energy") {
+TEST_CASE("Designs released at the start are not reported to create energy") {
   Job job = coarse_job();
   job.scene.release_height = 1.2;  // r1 = 0.3 starts at phi1 = pi
   CHECK(count(warnings_of(job), "efficiency") == 0);
 }
 
-TEST_CASE("A stop ends the checks") {
+TEST_CASE("No design is checked once the sweep is stopped") {
   Job job = coarse_job();
   job.solver = paper_solver();
   job.solver.time_step = 0.2;

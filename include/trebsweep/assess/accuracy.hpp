@@ -2,36 +2,31 @@
 
 #include <array>
 #include <span>
-#include <string>
-#include <vector>
 
+#include "trebsweep/assess/error_quantiles.hpp"
 #include "trebsweep/swing/reference.hpp"
 
 namespace trebsweep {
 
-/// Sizes of some errors; NaN of none.
-struct ErrorQuantiles {
-  double median, p95, largest;
-};
-
-ErrorQuantiles error_quantiles(std::vector<double> errors);
-
-/// What a solver makes of a sample of designs. Numbers alone: ranks exchange it as an array.
+/// Errors and cost of a solver on a sample of designs. Trivially copyable, so that ranks can
+/// exchange it.
 struct Accuracy {
-  std::array<double, status_names.size()> statuses{};  ///< designs of each Status
-  double status_mismatches =
-      0;  ///< designs that are a shot here and not in the reference, or the other way round
-  ErrorQuantiles speed;       ///< errors of the speed, m/s
-  ErrorQuantiles relative;    ///< and relative to it
-  ErrorQuantiles time;        ///< errors of the release time, s
-  double drift;               ///< largest size of the field energy-drift
-  double steps, evaluations;  ///< per design
-  double seconds;             ///< per design
-  double reference_error;     ///< m/s: the reference's own error, its median
+  std::array<double, status_names.size()> statuses{};  ///< number of designs with each Status
+  /// Designs with a release in the solver's results but not in the reference, or vice versa.
+  double status_mismatches = 0;
+  // Errors of the designs that have a release in both:
+  ErrorQuantiles speed;       ///< |error of the speed|, m/s
+  ErrorQuantiles relative;    ///< |relative error of the speed|
+  ErrorQuantiles time;        ///< |error of the release time|, s
+  double drift;               ///< largest |energy-drift|
+  double reference_error;     ///< median error bound of the reference speeds, m/s
+  double steps, evaluations;  ///< mean per design
+  double seconds;             ///< run time per design
 };
 
-/// Integrates a sample by a solver: errors against its references, and the run time, as a median of
-/// so many repeats, of the sample taken often enough that lanes are full.
+/// Integrates a sample and compares it with its references; references[n] belongs to designs[n].
+/// The run time is the median of `repeats` runs of the sample, repeated until it fills the SIMD
+/// lanes; runs of more than 0.3 s are timed once.
 Accuracy accuracy(const Scene& scene, const Solver& solver, std::span<const Design<double>> designs,
                   std::span<const Reference> references, int repeats);
 

@@ -10,16 +10,16 @@
 
 namespace trebsweep {
 
-/// How an assessment is run.
+/// Options that do not change the results of an assessment.
 struct AssessOptions {
-  bool overwrite = false;  ///< replace a file that is there
-  bool progress = true;    ///< tell on stderr what is being done
-  std::string command;     ///< as typed, for the file's history
+  bool overwrite = false;  ///< replace an existing file
+  bool progress = true;    ///< report each stage on stderr
+  std::string command;     ///< the command line, for the file's history
 };
 
-/// Measures what the job's [assess] asks for, and writes it into the job's output file; collective.
-/// The tables are the same on all ranks. Throws InputError, on all ranks, where the job, a file
-/// that it names or the place of its output is at fault.
+/// Measures what the job's [assess] asks for and writes the tables to the job's output file;
+/// collective. Returns the same tables on all ranks. Throws InputError, on all ranks, if the job, a
+/// file that it names or the path of its output is invalid.
 std::vector<Table> assess(const Job& job, const AssessOptions& options, MPI_Comm comm);
 
 }  // namespace trebsweep

@@ -10,21 +10,20 @@
 
 namespace trebsweep {
 
-/// A scene to assess, with a sample of its lattice's designs.
+/// A scene to assess solvers on, with a sample of its lattice.
 struct Case {
-  std::string name;  ///< its file's, without folder and suffix
+  std::string name;  ///< the stem of its file's name
   Job job;
-  bool extreme;  ///< to be tried with its own step and tolerance alone
-  /// The optimum of the lattice first, where it is known.
-  std::vector<Design<double>> designs;
-  std::vector<Reference> references;
+  bool extreme;  ///< assessed only with the step and tolerance of its own job
+  std::vector<Design<double>> designs;  ///< the lattice's optimum first, if it is known
+  std::vector<Reference> references;    ///< references[n] belongs to designs[n]
 };
 
-/// The cases of a job's [assess], without references; collective. Throws InputError where one of
-/// the files is at fault.
+/// The cases that a job's [assess] names, or the job's own scene if it names none. References are
+/// left empty. Collective. Throws InputError if one of the files is invalid.
 std::vector<Case> make_cases(const Job& job, MPI_Comm comm);
 
-/// Computes the references of all cases' designs, dealt to the ranks one by one; collective.
+/// Computes the references of all cases, sharing the designs among the ranks; collective.
 void compute_references(std::vector<Case>& cases, MPI_Comm comm);
 
 }  // namespace trebsweep

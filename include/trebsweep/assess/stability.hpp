@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,48 +11,51 @@
 
 namespace trebsweep {
 
-/// By how much a step of the stepper multiplies a solution of y' = y z, over a time of one: its
-/// stability function. The stepper itself is run. Not of bulirsch_stoer and
-/// adams_bashforth_moulton, whose steps are not of one kind.
+/// Whether every step of the stepper applies the same function of h z to y' = z y. False for
+/// bulirsch_stoer, whose order varies, and adams_bashforth_moulton, whose steps use earlier ones.
 bool has_stability_function(const std::string& stepper);
+
+/// The stability function R(z) of a stepper, evaluated by running it: a step of length 1 from
+/// y = 1 of y' = z y. Throws std::logic_error if the stepper has none.
 std::complex<double> stability_function(const std::string& stepper, const std::complex<double>& z);
 
-/// The factor, beyond that of the exact solution, by which steps of length h multiply the swing's
-/// oscillating and decaying modes, as far as they grow: along the swing, of the fastest at each
-/// moment.
+/// The factor by which steps of length h (s) amplify an error along the swing, relative to the
+/// exact solution: the product over the swing of |R(h lambda)| / max(1, |exp(h lambda)|) of the
+/// most amplified eigenvalue lambda at each time. Only oscillating and decaying modes count; the
+/// factor is at least 1.
 double amplification(const std::string& stepper, const std::vector<Spectrum>& spectra, double h);
 
-/// The largest step (s) whose amplification is below 2, that of shorter ones too.
+/// The largest step (s) such that it and all shorter steps have an amplification() below 2;
+/// infinite if there is no limit, as for an A-stable stepper.
 double largest_stable_step(const std::string& stepper, const std::vector<Spectrum>& spectra);
 
-/// The state after `steps` steps of one length to the reference's release: its largest error, of a
-/// coordinate, over one and that coordinate; infinite where it is not finite. In long double, where
-/// the stepper can. Not of
-/// bulirsch_stoer.
+/// Integrates to the reference's release with `steps` equal steps, in long double if the stepper
+/// supports it. Returns the largest |x - truth| / (1 + |truth|) over the components of the final
+/// state; infinite if it is not finite. Not for bulirsch_stoer.
 double error_of_steps(const std::string& stepper, const Scene& scene, const Design<double>& design,
                       const Reference& reference, std::uint64_t steps);
 
-/// The largest step (s) seen to be of use: with an error_of_steps() below 10 %, like that of
-/// shorter steps down to a quarter of `guess`.
+/// The largest step (s) such that it and the shorter steps tried, down to a quarter of `guess` (s),
+/// have an error_of_steps() of at most 10 %; NaN if the first one tried exceeds that.
 double largest_usable_step(const std::string& stepper, const Scene& scene,
                            const Design<double>& design, const Reference& reference, double guess);
 
-/// The order of convergence seen with steps of one length, as the median over designs with a shot:
-/// from the finest two steps, one half of the other, whose errors are above rounding. NaN where
-/// there are none.
+/// Observed order of convergence with equal steps: the median over the designs with a release. For
+/// each design it is log2 of the ratio of the errors of the two finest steps, one half of the
+/// other, whose errors are above rounding. NaN if no design has such steps.
 double observed_order(const std::string& stepper, const Scene& scene,
                       std::span<const Design<double>> designs,
                       std::span<const Reference> references);
 
-/// What becomes of a small oscillation about the hanging equilibrium, which the equations keep as
-/// it is, in steps of one length.
+/// Amplification of a small oscillation about the hanging equilibrium. Its exact amplitude is
+/// constant.
 struct Growth {
-  double rate;       ///< rad/s: of the fastest mode, which oscillates
-  double predicted;  ///< factor of its amplitude by the stability function
-  double seen;       ///< factor of its amplitude, from the energy
+  double rate;       ///< angular frequency of the fastest mode, which oscillates; rad/s
+  double predicted;  ///< growth factor of its amplitude according to the stability function
+  double observed;   ///< growth factor of its amplitude, computed from the energy
 };
 
-/// Of a rigid sling without friction; over `time` (s), in steps of length h (s).
+/// Integrates over `time` (s) in steps of length h (s). For a rigid sling without friction.
 Growth growth(const std::string& stepper, const Scene& scene, const Design<double>& design,
               double h, double time);
 

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -13,24 +11,20 @@
 
 namespace trebsweep {
 
-/// The value of a map in cells outside the lattice.
-inline double outside_lattice(Field field) {
-  return is_flag(field) ? 0 : std::numeric_limits<double>::quiet_NaN();
-}
-
-/// The maps of a tile, one per field of the job with values along r2 fastest, and their tally.
+/// The results of a tile.
 struct ComputedTile {
-  std::vector<std::vector<double>> maps;
+  std::vector<std::vector<double>> maps;  ///< one per field of the job, values along r2 fastest
   Tally tally;
 };
 
-/// Integrates the designs of some tiles; nothing if `stop`, which is called every 0.2 s, returns
+/// Integrates the designs of tiles. Calls `stop` about every 0.2 s and returns nothing once it is
 /// true.
 std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>& tiles,
                                                  const Job& job, const Lattice& lattice,
                                                  const std::function<bool()>& stop);
 
-/// The seconds that a design takes on one core, measured on a sample of the lattice in about 50 ms.
+/// The mean time to integrate a design on one core (s), measured for about 50 ms on a sample of the
+/// lattice.
 double seconds_per_design(const Job& job, const Lattice& lattice,
                           const std::function<bool()>& stop);
 

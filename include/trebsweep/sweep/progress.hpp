@@ -6,22 +6,23 @@
 
 namespace trebsweep {
 
-/// How a sweep tells of its progress on stderr.
+/// How a sweep reports its progress on stderr.
 enum class ProgressStyle {
-  automatic,  ///< a bar where stderr is a terminal, else lines
+  automatic,  ///< a bar if stderr is a terminal, else lines
   bar,        ///< one line, redrawn
   lines,      ///< a line every ten seconds
   none
 };
 
-/// Progress on stderr, with the time that is left at the pace so far.
+/// Progress on stderr, with an estimate of the remaining time from the mean rate so far.
 class Progress {
  public:
-  /// `before`: of the total, done before it begins; `unit`: what is counted.
+  /// `before` of the `total` were done by earlier runs; `unit` names what is counted.
   Progress(std::uint64_t before, std::uint64_t total, ProgressStyle style,
            std::string unit = "designs");
 
-  /// Tells that `done` of the total are done; rate-limited, but the end of a bar is always drawn.
+  /// Reports that `done` of the total are done. Rate-limited, except that a bar's end is always
+  /// drawn.
   void update(std::uint64_t done);
 
  private:
@@ -31,7 +32,7 @@ class Progress {
   ProgressStyle style_;
   std::string unit_;
   Clock::time_point start_ = Clock::now();
-  Clock::time_point told_ = start_;
+  Clock::time_point last_report_ = start_;
 };
 
 }  // namespace trebsweep

@@ -7,30 +7,34 @@
 
 namespace trebsweep {
 
-/// A tile with its number.
+/// A tile and its number in the Tiling.
 struct NumberedTile {
   std::uint64_t number;
   Tile tile;
 };
 
-/// The extent of the tiles of a lattice: about a fifth of the lattice's, so that there are enough
-/// tiles to share and not many more to write; larger where one or two axes are short, smaller where
-/// designs take long. `seconds` is the time of one design on one core; a tile takes about a second
-/// at most.
-Index3 tile_edge(const Index3& extent, double seconds);
+/// The extent of a lattice's tiles: about a fifth of the lattice along each axis, which gives
+/// enough tiles to share among ranks but few to write. Longer along an axis where the others are
+/// short; shorter where designs are slow, so that a tile takes at most about a second of one core.
+/// `design_seconds` is the time to integrate a design.
+Index3 tile_edge(const Index3& extent, double design_seconds);
 
-/// Assigns the tiles [first, end) to ranks, the largest first, each to the rank with the fewest
-/// designs so far (longest processing time first). The same on every rank.
+/// Assigns the tiles [first, end) to ranks by the longest-processing-time-first rule (LPT): in
+/// order of decreasing size, each to the rank with the fewest designs so far. The slowest rank then
+/// takes at most 4/3 of the shortest possible time (R. L. Graham, SIAM J. Appl. Math. 17, 1969) if
+/// all designs take equally long. The result is the same on every rank.
 std::vector<std::vector<NumberedTile>> assign_tiles(std::uint64_t first, std::uint64_t end,
                                                     std::uint64_t ranks, const Lattice& lattice,
                                                     const Tiling& tiling);
 
-/// How many to take next for a step of about `wanted` seconds, when the last `count` took
-/// `seconds`.
-std::uint64_t paced(std::uint64_t count, double seconds, double wanted);
+/// The number of items to process next in about `target` seconds, if the last `count` took
+/// `seconds`. At least 1. Grows at most eightfold and shrinks at most tenfold, since short times
+/// are unreliable.
+std::uint64_t next_count(std::uint64_t count, double seconds, double target);
 
-/// How many tiles a rank computes before it writes: rounds of about two seconds, within 64 MiB of
-/// maps. The last round had `batch` tiles per rank.
+/// The number of tiles per rank in the next round, if the last round had `batch` and took
+/// `round_seconds`: rounds of about two seconds, which make the cost of writing and checkpointing
+/// small and lose little work when a run is killed; at most 64 MiB of maps in memory.
 std::uint64_t next_batch(std::uint64_t batch, double round_seconds, std::size_t bytes_per_tile);
 
 }  // namespace trebsweep

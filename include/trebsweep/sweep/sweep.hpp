@@ -13,20 +13,21 @@
 
 namespace trebsweep {
 
-/// How a sweep is run; nothing here changes its results.
+/// Options that do not change the results of a sweep.
 struct SweepOptions {
-  bool overwrite = false;  ///< replace an archive, or the partial of one, that is there
+  bool overwrite = false;  ///< replace an existing archive or partial archive
   ProgressStyle progress = ProgressStyle::automatic;
-  std::string command;                   ///< as typed, for the archive's history
-  std::optional<Index3> tile_edge = {};  ///< largest extent of a tile, else chosen for the lattice
-  std::function<bool()> stop = [] { return false; };  ///< asked often, on every rank
+  std::string command;                   ///< the command line, for the archive's history
+  std::optional<Index3> tile_edge = {};  ///< largest extent of a tile; chosen if not given
+  std::function<bool()> stop = [] { return false; };  ///< polled on every rank
 };
 
-/// Integrates every design of the job's lattice, or those that interrupted sweeps of it have left,
-/// and writes the archive; collective. Where a rank is told to stop, all do, with what is done kept
-/// in the partial file. The summary is the same on all ranks; nothing if the archive of this very
-/// job was there already. Throws on all ranks InputError, where the job or the place of its archive
-/// is at fault, and RootError, where an unfinished sweep cannot be continued or a file not be made.
+/// Integrates every design of the job's lattice and writes the archive; continues an interrupted
+/// sweep of the same job. Collective. Returns the summary, the same on all ranks, or nothing if the
+/// complete archive of this job already exists. If `stop` is true on any rank, all ranks stop, and
+/// the partial archive keeps the tiles that are marked done.
+/// Throws, on all ranks, InputError if the job or the path of its archive is invalid, and
+/// mpi::RootError if an archive cannot be created or an unfinished sweep cannot be continued.
 std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Comm comm);
 
 }  // namespace trebsweep

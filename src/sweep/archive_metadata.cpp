@@ -1,0 +1,78 @@
+#include "trebsweep/sweep/archive_metadata.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include "trebsweep/base/version.hpp"
+#include "trebsweep/swing/kernel.hpp"
+
+namespace trebsweep {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// The names of a flag field's values 0, 1, ...; empty for other fields.
+std::vector<std::string> flag_meanings(Field field) {
+  if (field == Field::status) return {status_names.begin(), status_names.end()};
+  if (field == Field::slack) return {slack_names.begin(), slack_names.end()};
+  return {};
+}
+
+MapType map_type(Field field, Storage storage) {
+  if (is_flag(field)) return MapType::uint8;
+  return storage == Storage::float32 ? MapType::float32 : MapType::float64;
+}
+
+}  // namespace
+
+double fill_value(Field field) { return is_flag(field) ? 0 : nan; }
+
+std::vector<MapInfo> map_infos(const Output& output) {
+  const bool has_status = std::count(output.fields.begin(), output.fields.end(), Field::status) > 0;
+  std::vector<MapInfo> maps;
+  for (const Field field : output.fields)
+    maps.push_back({.dataset = dataset_name(field),
+                    .units = std::string(info(field).units),
+                    .long_name = std::string(info(field).meaning),
+                    .ancillary = has_status && field != Field::status ? "status" : "",
+                    .type = map_type(field, output.storage),
+                    .fill = fill_value(field),
+                    .flag_meanings = flag_meanings(field)});
+  return maps;
+}
+
+Attributes result_attributes(const Summary& summary) {
+  const Optimum none{{nan, nan, nan}, nan, nan};
+  const Optimum optimum = summary.optimum.value_or(none);
+  using Count = unsigned long long;
+  return {{"best_speed", optimum.speed},
+          {"best_r1", optimum.design.r1},
+          {"best_r3", optimum.design.r3},
+          {"best_r2", optimum.design.r2},
+          {"best_release_time", optimum.release_time},
+          {"designs", static_cast<Count>(summary.designs())},
+          {"steps", static_cast<Count>(summary.steps)},
+          {"lane_utilisation", summary.utilisation()},
+          {"integration_seconds", summary.integration_seconds},
+          {"sweep_seconds", summary.sweep_seconds}};
+}
+
+Attributes root_attributes(const Job& job, const std::string& history,
+                           const std::string& replaces) {
+  Attributes all = result_attributes(Summary{});
+  all.insert(all.end(), {{"format_version", archive_format},
+                         {"Conventions", std::string("CF-1.10")},
+                         {"title", "Trebuchet sweep " +
+                                       std::filesystem::path(job.output.file).stem().string()},
+                         {"source", version_text()},
+                         {"kernel", std::string(instruction_set())},
+                         {"scene", scene_text(job)},
+                         {"job", to_text(job)},
+                         {"replaces", replaces},
+                         // Last, so that no other text moves when a resumed run extends it.
+                         {"history", history}});
+  return all;
+}
+
+}  // namespace trebsweep
