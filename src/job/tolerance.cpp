@@ -17,23 +17,23 @@ namespace trebsweep {
 double tolerance_for_target(const Job& job) {
   constexpr double safety = 4;
   const auto designs = sample(Lattice(job.scene, job.lattice), 128);
-  const auto shoot = [&](const Solver& solver) {
+  const auto integrate_with = [&](const Solver& solver) {
     std::vector<SwingResult> results(designs.size());
     integrate(job.scene, solver, {designs, results});
     return results;
   };
-  const auto truth = shoot(solver_of("dopri5", 1e-14, job.solver));
-  // From tight to loose, as long as the error keeps below.
+  const auto reference = integrate_with(solver_of("dopri5", 1e-14, job.solver));
+  // From tight to loose, until the error exceeds the target.
   double chosen = 0, smallest = std::numeric_limits<double>::infinity();
   for (int exponent = 26; exponent >= 6; --exponent) {
     const double tolerance = std::pow(10, -exponent / 2.0);
-    const auto results = shoot(solver_of(job.solver.stepper, tolerance, job.solver));
+    const auto results = integrate_with(solver_of(job.solver.stepper, tolerance, job.solver));
     double largest = 0;
     for (std::size_t i = 0; i < results.size(); ++i) {
-      if (has_speed(results[i].status) != has_speed(truth[i].status))
+      if (has_speed(results[i].status) != has_speed(reference[i].status))
         largest = std::numeric_limits<double>::infinity();
       else if (has_speed(results[i].status))
-        largest = std::max(largest, std::abs(results[i].speed - truth[i].speed));
+        largest = std::max(largest, std::abs(results[i].speed - reference[i].speed));
     }
     smallest = std::min(smallest, safety * largest);
     if (safety * largest <= job.solver.target_error)
@@ -42,10 +42,9 @@ double tolerance_for_target(const Job& job) {
       break;
   }
   if (!std::isfinite(smallest))
-    throw InputError(
-        "solver.target-error: some designs are a shot only with some of the tolerances, or none "
-        "within "
-        "solver.max-steps; give solver.tolerance instead");
+    refuse("solver.target-error", fmt::format("{}", job.solver.target_error),
+           "left out: whether some designs have a release depends on the tolerance, or on "
+           "solver.max-steps; give solver.tolerance instead");
   if (chosen == 0)
     refuse("solver.target-error", fmt::format("{}", job.solver.target_error),
            fmt::format("at least {:.1g} m/s, which {} can reach in this scene", smallest,
