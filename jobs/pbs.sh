@@ -18,7 +18,7 @@
 # No set -eu: it breaks module load and, in old versions of bash, empty arrays.
 
 cd "${PBS_O_WORKDIR:?submit it with: qsub -v jobs=JOB jobs/pbs.sh}" || exit
-script=${script:-jobs/pbs.sh}                 # this file and the program: relative to the directory of qsub, or absolute
+script=${script:-jobs/pbs.sh}                 # this file and the program: relative to qsub's directory, or absolute
 program=${TREBSWEEP:-build/release/trebsweep}
 margin=180                                    # s before the limit to stop at; a round of the sweep takes seconds
 most_restarts=100                             # a limit in case something is wrong

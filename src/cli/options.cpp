@@ -65,10 +65,10 @@ po::options_description command_options(Command command) {
 po::options_description key_options(Command command) {
   po::options_description options(line_length, description_length);
   const Job defaults;
-  for (const char* section : {"scene", "lattice", "solver", "output", "assess"}) {
+  for (const std::string_view section : job_sections) {
     po::options_description group(fmt::format("Keys of [{}]", section), line_length,
                                   description_length);
-    if (section == std::string_view("scene"))
+    if (section == "scene")
       group.add_options()(scene_file.c_str(), text("PATH"),
                           "file with keys of [scene], which take precedence over the job file");
     for (const Key& key : job_keys()) {

@@ -30,9 +30,9 @@ std::string key_of(const std::string& name) { return name.substr(name.find('.') 
   if (!known.empty())
     throw InputError(fmt::format("{}: unknown key; the keys of [{}] are {}", shortened(name),
                                  section, fmt::join(known, ", ")));
-  throw InputError(fmt::format("{}: {}; the sections are scene, lattice, solver, output, assess",
-                               shortened(name),
-                               section == name ? "key before any [section]" : "unknown key"));
+  throw InputError(fmt::format("{}: {}; the sections are {}", shortened(name),
+                               section == name ? "key before any [section]" : "unknown key",
+                               fmt::join(job_sections, ", ")));
 }
 
 /// The values in the text of a job file, including scene_file.

@@ -13,6 +13,23 @@
 #include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// The largest difference in speed, m/s; infinity if a design has a release in one of them only.
+double largest_difference(const std::vector<SwingResult>& results,
+                          const std::vector<SwingResult>& reference) {
+  double largest = 0;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (has_speed(results[i].status) != has_speed(reference[i].status)) return infinity;
+    if (has_speed(results[i].status))
+      largest = std::max(largest, std::abs(results[i].speed - reference[i].speed));
+  }
+  return largest;
+}
+
+}  // namespace
 
 double tolerance_for_target(const Job& job) {
   constexpr double safety = 4;
@@ -24,19 +41,13 @@ double tolerance_for_target(const Job& job) {
   };
   const auto reference = integrate_with(solver_of("dopri5", 1e-14, job.solver));
   // From tight to loose, until the error exceeds the target.
-  double chosen = 0, smallest = std::numeric_limits<double>::infinity();
+  double chosen = 0, smallest = infinity;
   for (int exponent = 26; exponent >= 6; --exponent) {
     const double tolerance = std::pow(10, -exponent / 2.0);
     const auto results = integrate_with(solver_of(job.solver.stepper, tolerance, job.solver));
-    double largest = 0;
-    for (std::size_t i = 0; i < results.size(); ++i) {
-      if (has_speed(results[i].status) != has_speed(reference[i].status))
-        largest = std::numeric_limits<double>::infinity();
-      else if (has_speed(results[i].status))
-        largest = std::max(largest, std::abs(results[i].speed - reference[i].speed));
-    }
-    smallest = std::min(smallest, safety * largest);
-    if (safety * largest <= job.solver.target_error)
+    const double error = safety * largest_difference(results, reference);
+    smallest = std::min(smallest, error);
+    if (error <= job.solver.target_error)
       chosen = tolerance;
     else if (chosen > 0)
       break;

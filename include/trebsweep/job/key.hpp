@@ -1,12 +1,18 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "trebsweep/job/job.hpp"
 
 namespace trebsweep {
+
+/// The sections of a job file, in their order.
+inline constexpr std::array<std::string_view, 5> job_sections{"scene", "lattice", "solver",
+                                                              "output", "assess"};
 
 /// One key of the job file, which is also a command-line option.
 struct Key {
