@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 fs::path final_path(const fs::path& partial) { return fs::path(partial).replace_extension(); }
 
 /// The progress of an archive, and how to continue it if it is unfinished.
-std::string state(const fs::path& given, const ArchiveContents& contents) {
+std::string progress_text(const fs::path& given, const ArchiveContents& contents) {
   const fs::path path = follow_links(given);
   const bool partial = path.extension() == ".partial";
   const fs::path archive = partial ? final_path(path) : path;
@@ -52,7 +52,8 @@ std::string describe_assessment(const fs::path& path) {
 std::string describe_sweep(const fs::path& path) {
   const ArchiveContents contents = read_contents(path);
   const Job job = parse_job(contents.job, path, {});
-  std::string text = fmt::format("archive   {}, {}\n", path.string(), state(path, contents));
+  std::string text =
+      fmt::format("archive   {}, {}\n", path.string(), progress_text(path, contents));
   text += fmt::format("scene     {}\nsolver    {}\n", contents.scene, solver_text(job.solver));
   text += fmt::format("tiles     {} of {} done, of {} designs (r1 x r3 x r2)\n",
                       contents.tiles_done, contents.tiles, fmt::join(contents.tile_edge, " x "));

@@ -115,8 +115,8 @@ int parallel_main(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // With HDF5's own locks, somebody who opens a partial archive could prevent its sweep from
-  // continuing, and they have hung on network file systems. Sweeps exclude each other by FileLock.
+  // With HDF5's own locks a reader of a partial archive would block the sweep that continues it,
+  // and they have hung on network file systems. FileLock excludes concurrent sweeps instead.
   setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
   if (is_parallel(std::span(argv, argv + argc))) return parallel_main(argc, argv);
   // Without MPI only rank 0 runs the command.

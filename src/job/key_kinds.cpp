@@ -82,7 +82,7 @@ KeyKind<std::optional<AxisRange>> axis_range() {
 
 KeyKind<std::string> path() {
   const std::string allowed =
-      "a path without # or quotes or line breaks, and without spaces at its ends";
+      "a path without #, quotes or line breaks, and without spaces at its ends";
   return {"PATH", allowed,
           [=](const std::string& key, const std::string& text) {
             if (!is_readable_back(text)) refuse(key, text, allowed);
