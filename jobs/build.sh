@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that are missing and builds build/release/trebsweep.
-# With --tests: the packages of the tests too, and the tests, with warnings as errors.
+# Installs missing Debian packages and builds build/release/trebsweep.
+# --tests: also installs the packages of the tests and builds the tests, with warnings as errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 packages=(cmake g++ libboost-dev libboost-program-options-dev libeigen3-dev libfmt-dev libhdf5-openmpi-dev
           libopenmpi-dev ninja-build openmpi-bin python3-h5py python3-matplotlib python3-numpy)
-options=(-DTREBSWEEP_TESTS=OFF) # the rest of an earlier configuration stays: no rebuild
+options=(-DTREBSWEEP_TESTS=OFF) # other cached options are kept, which avoids a rebuild
 [[ -e build/release/CMakeCache.txt ]] || options+=(-DTREBSWEEP_INSTRUCTION_SETS=native)
 if [[ ${1:-} == --tests ]]; then
   options=(-DTREBSWEEP_TESTS=ON -DTREBSWEEP_WERROR=ON -DTREBSWEEP_INSTRUCTION_SETS=all)
@@ -23,7 +23,7 @@ install_missing() {
   local as_root=()
   if [[ $(id -u) -ne 0 ]]; then
     if ! command -v sudo >/dev/null; then
-      echo "These packages are missing; ask somebody with root's rights to run:" >&2
+      echo "Packages are missing. Ask an administrator to run:" >&2
       echo "  apt-get install ${missing[*]}" >&2
       exit 1
     fi
@@ -38,7 +38,7 @@ install_missing() {
 if command -v dpkg-query >/dev/null; then
   install_missing
 else
-  echo "This is no Debian: hoping that the equivalents of these are here: ${packages[*]}" >&2
+  echo "Not a Debian system; the build needs the equivalents of these packages: ${packages[*]}" >&2
 fi
 cmake --preset release "${options[@]}"
 cmake --build --preset release

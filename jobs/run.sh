@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the program (installing what is missing), sweeps a job and draws its pictures into results/.
+# Installs missing packages, builds the program, sweeps a job and writes its pictures to results/.
 #
 #   jobs/run.sh [JOB] [-n RANKS] [-- options]      default: jobs/paper.cfg on 2 ranks
 #   jobs/run.sh jobs/accurate.cfg -n 4 -- --scene.projectile-mass 50
@@ -13,16 +13,17 @@ while [[ $# -gt 0 ]]; do
     -h | --help) usage; exit 0 ;;
     -n) ranks=${2:-}; shift $(($# > 1 ? 2 : 1)) ;;
     --) shift; break ;;
-    -*) echo "jobs/run.sh: $1: unknown option; options of the program go behind --" >&2; exit 2 ;;
+    -*) echo "jobs/run.sh: $1: unknown option; options of trebsweep go after --" >&2; exit 2 ;;
     *)
       [[ -z $job ]] || { echo "jobs/run.sh: $1: only one job can be given" >&2; exit 2; }
       job=$1; shift ;;
   esac
 done
-[[ $ranks =~ ^[1-9][0-9]*$ ]] || { echo "jobs/run.sh: -n $ranks: must be a whole number above 0" >&2; exit 2; }
+[[ $ranks =~ ^[1-9][0-9]*$ ]] || { echo "jobs/run.sh: -n $ranks: must be an integer above 0" >&2; exit 2; }
 for option in "$@"; do
   [[ $option != --output.file* ]] ||
-    { echo "jobs/run.sh: --output.file: the archive goes into results/; use trebsweep sweep for another place" >&2; exit 2; }
+    { echo "jobs/run.sh: --output.file: the archive is written to results/; use trebsweep sweep for another path" >&2
+      exit 2; }
 done
 repository=$(cd "$(dirname "$0")/.." && pwd)
 job=$(realpath -m -- "${job:-$repository/jobs/paper.cfg}")
@@ -31,9 +32,9 @@ cd "$repository"
 jobs/build.sh
 program=build/release/trebsweep
 python=$([[ -x /usr/bin/python3 ]] && echo /usr/bin/python3 || echo python3)
-# Open MPI refuses root, and more ranks than cores, unless told; other MPIs ignore these.
+# By default Open MPI refuses to run as root, or with more ranks than cores. Other MPIs ignore these variables.
 export OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
-export HWLOC_HIDE_ERRORS=2 # its complaints where /sys is not mounted
+export HWLOC_HIDE_ERRORS=2 # no warnings if /sys is not mounted
 [[ $(id -u) -ne 0 ]] || export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 
 mkdir -p results
@@ -43,7 +44,7 @@ archive=results/$name.h5
 mpirun -n "$ranks" $program sweep "$job" --output.file "$archive" "$@"
 
 $python analysis/heatmap.py "$archive" -o "results/$name.png"
-# The swing of the optimum, from the job as it was run.
+# The swing of the optimum, with the job stored in the archive.
 design=$($python analysis/optimum.py "$archive" --job "results/$name-as-run.cfg")
 if [[ -n $design ]]; then
   # shellcheck disable=SC2086  # three options with their values

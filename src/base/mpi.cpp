@@ -56,7 +56,7 @@ void sum_on_root(std::span<double> values, MPI_Comm comm) {
 }
 
 std::string text_of_root(MPI_Comm comm, const std::function<std::string()>& f) {
-  // The first character tells a result from the two kinds of failure.
+  // The first character distinguishes a result (=), an InputError (!) and another error (?).
   std::string message;
   if (rank(comm) == 0) {
     try {
@@ -81,7 +81,7 @@ void on_root(MPI_Comm comm, const std::function<void()>& f) {
 void on_all(MPI_Comm comm, const std::function<void()>& f) {
   std::string message;
   const auto ranks = static_cast<std::uint64_t>(size(comm));
-  std::uint64_t failed = ranks;  // the first rank that did
+  std::uint64_t failed = ranks;  // lowest rank on which f threw
   try {
     f();
   } catch (const std::exception& error) {

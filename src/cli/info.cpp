@@ -24,15 +24,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The name of a partial file's archive.
+/// The path that a partial archive gets when it is complete.
 fs::path final_path(const fs::path& partial) { return fs::path(partial).replace_extension(); }
 
-/// How far an archive is, and what is to be done with it if it is unfinished or has another name.
-std::string state(const fs::path& given, const ArchiveContents& contents) {
+/// The progress of an archive, and how to continue it if it is unfinished.
+std::string progress_text(const fs::path& given, const ArchiveContents& contents) {
   const fs::path path = follow_links(given);
   const bool partial = path.extension() == ".partial";
-  const fs::path name = partial ? final_path(path) : path;
-  const auto writer = lock_holder(lock_path(name));
+  const fs::path archive = partial ? final_path(path) : path;
+  const auto writer = lock_holder(lock_path(archive));
   if (contents.complete() && !partial) return "complete";
   const std::string progress =
       contents.complete()
@@ -41,7 +41,7 @@ std::string state(const fs::path& given, const ArchiveContents& contents) {
                         100 * static_cast<double>(contents.tiles_done) /
                             static_cast<double>(std::max<std::uint64_t>(1, contents.tiles)));
   if (writer) return fmt::format("{}; being written by {}", progress, *writer);
-  if (partial) return progress + "; interrupted, its sweep's command continues it";
+  if (partial) return progress + "; interrupted, the command of the sweep continues it";
   return fmt::format("{}; to continue it, rename it to {}", progress, partial_path(path).string());
 }
 
@@ -55,7 +55,8 @@ std::string describe_assessment(const fs::path& path) {
 std::string describe_sweep(const fs::path& path) {
   const ArchiveContents contents = read_contents(path);
   const Job job = parse_job(contents.job, path, {});
-  std::string text = fmt::format("archive   {}, {}\n", path.string(), state(path, contents));
+  std::string text =
+      fmt::format("archive   {}, {}\n", path.string(), progress_text(path, contents));
   text += fmt::format("scene     {}\nsolver    {}\n", contents.scene, solver_text(job.solver));
   text += fmt::format("tiles     {} of {} done, of {} designs (r1 x r3 x r2)\n",
                       contents.tiles_done, contents.tiles, fmt::join(contents.tile_edge, " x "));
@@ -68,13 +69,13 @@ std::string describe_sweep(const fs::path& path) {
   return text + "\n\n" + contents.job;
 }
 
-/// The archive of that name, or the partial file that will have it.
+/// The path itself if the file exists, otherwise that of its partial archive.
 fs::path find(const fs::path& given) {
   try {
     if (fs::exists(given)) return given;
     if (const auto partial = partial_path(follow_links(given)); fs::exists(partial)) return partial;
   } catch (const std::system_error&) {
-    // Links in a circle, or a name that no file can have.
+    // A cycle of links, or an invalid file name.
   }
   throw InputError(
       fmt::format("{}: no such file; give the path of an archive", shortened(given.string())));
@@ -90,8 +91,8 @@ std::string describe_archive(const fs::path& given) {
     const auto archived = read_archive_header(path);
     return archived && !archived->is_sweep ? describe_assessment(path) : describe_sweep(path);
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(fmt::format("{}: {}; no archive of this version, or a damaged one",
-                                         path.string(), error.what()));
+    throw std::runtime_error(fmt::format(
+        "{}: {}; not an archive of this format version, or damaged", path.string(), error.what()));
   }
 }
 

@@ -8,13 +8,13 @@
 namespace trebsweep {
 namespace {
 
-volatile std::sig_atomic_t stop_came = 0;
+volatile std::sig_atomic_t stop_requested = 0;
 
-void note_stop(int) { stop_came = 1; }
+void request_stop(int) { stop_requested = 1; }
 
 constexpr std::array stop_signals{SIGINT, SIGTERM, SIGUSR1};
 
-void handle(int number, void (*handler)(int)) {
+void set_handler(int number, void (*handler)(int)) {
   struct sigaction action {};
   action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
@@ -24,17 +24,17 @@ void handle(int number, void (*handler)(int)) {
 }  // namespace
 
 StopSignals::StopSignals() {
-  stop_came = 0;
-  for (const int number : stop_signals) handle(number, note_stop);
-  handle(SIGXFSZ, SIG_IGN);
+  stop_requested = 0;
+  for (const int number : stop_signals) set_handler(number, request_stop);
+  set_handler(SIGXFSZ, SIG_IGN);
 }
 
 StopSignals::~StopSignals() {
-  for (const int number : stop_signals) handle(number, SIG_DFL);
-  handle(SIGUSR1, SIG_IGN);  // what it asks for is done
-  handle(SIGXFSZ, SIG_DFL);
+  for (const int number : stop_signals) set_handler(number, SIG_DFL);
+  set_handler(SIGUSR1, SIG_IGN);  // one that arrives late must not end the program
+  set_handler(SIGXFSZ, SIG_DFL);
 }
 
-bool StopSignals::requested() const { return stop_came != 0; }
+bool StopSignals::requested() const { return stop_requested != 0; }
 
 }  // namespace trebsweep

@@ -23,7 +23,7 @@ namespace po = boost::program_options;
 /// A line of a job file without its comment.
 struct Line {
   std::string text;
-  bool hash_in_value;  ///< a # that follows a value without a blank
+  bool hash_in_value;  ///< a # follows the value without a space between them
 };
 
 Line without_comment(const std::string& line) {
@@ -34,9 +34,9 @@ Line without_comment(const std::string& line) {
   return result;
 }
 
-/// Refuses lines that Boost would misread or accept. Its own messages lack line numbers, and its
-/// message about a malformed line never ends if the line contains one of its placeholders, such as
-/// %invalid_line%.
+/// Throws InputError for lines that Boost would misread or accept. Boost's own messages lack line
+/// numbers, and its formatting of a message about a malformed line never terminates if the line
+/// contains one of the placeholders, such as %invalid_line%.
 void check_lines(const std::string& text, const std::string& name) {
   const auto refuse_line = [&](int number, const std::string& line, const std::string& why) {
     throw InputError(fmt::format("job file {}: line {}, '{}', {}", shortened(name), number,
@@ -56,12 +56,12 @@ void check_lines(const std::string& text, const std::string& name) {
       refuse_line(number, content, "is neither [section] nor key = value");
     } else if (hash_in_value) {
       refuse_line(number, boost::trim_copy(line),
-                  "has a # inside a value: a comment must be set off by a blank");
+                  "has a # inside a value; put a space before a comment");
     } else {
       const std::string key = section + boost::trim_copy(content.substr(0, equals));
       const auto [first, is_new] = lines.emplace(key, number);
       if (!is_new)
-        throw InputError(fmt::format("job file {}: {} is given twice, in lines {} and {}",
+        throw InputError(fmt::format("job file {}: {} is given twice, on lines {} and {}",
                                      shortened(name), shortened(key), first->second, number));
     }
   }
@@ -96,21 +96,21 @@ std::string read_job_file(const std::string& path, const std::string& what) {
         fmt::format("{}{}: {}; give the path of a readable text file", what, shortened(path), why));
   };
   namespace fs = std::filesystem;
-  std::error_code unknown;  // opening the file gives the reason
+  std::error_code unknown;  // opening the file reports the reason
   if (fs::is_directory(path, unknown)) refuse_file("is a directory");
-  // Reading a FIFO or a device could block for ever.
+  // Reading a FIFO or a device could block forever.
   if (fs::exists(path, unknown) && !fs::is_regular_file(path, unknown))
     refuse_file("is not a regular file");
   std::ifstream file(path, std::ios::binary);
   if (!file) refuse_file(std::strerror(errno));
-  constexpr std::size_t longest = 1 << 20;
-  std::string content(longest + 1, '\0');
+  constexpr std::size_t max_size = 1 << 20;
+  std::string content(max_size + 1, '\0');
   file.read(content.data(), static_cast<std::streamsize>(content.size()));
   if (file.bad()) refuse_file(std::strerror(errno));
   content.resize(static_cast<std::size_t>(file.gcount()));
   if (content.starts_with("\xef\xbb\xbf")) content.erase(0, 3);  // a byte-order mark
   if (is_binary(content)) refuse_file("is not a text file");
-  if (content.size() > longest) refuse_file("is longer than 1 MiB");
+  if (content.size() > max_size) refuse_file("is longer than 1 MiB");
   return content;
 }
 

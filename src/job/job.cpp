@@ -15,9 +15,10 @@
 namespace trebsweep {
 namespace {
 
-/// Values of keys, by name.
+/// Values of keys, by the name of the key.
 using Values = std::map<std::string, std::string>;
 
+/// The name of a key without its section.
 std::string key_of(const std::string& name) { return name.substr(name.find('.') + 1); }
 
 [[noreturn]] void refuse_unknown(const std::string& name) {
@@ -26,19 +27,15 @@ std::string key_of(const std::string& name) { return name.substr(name.find('.') 
   for (const Key& key : job_keys())
     if (key.section() == section) known.push_back(key_of(key.name));
   if (section == "scene") known.push_back("file");
-  if (section == name)
-    throw InputError(fmt::format(
-        "{}: stands before any [section]; the sections are scene, lattice, solver, output, assess",
-        shortened(name)));
-  if (known.empty())
-    throw InputError(
-        fmt::format("{}: unknown key; the sections are scene, lattice, solver, output, assess",
-                    shortened(name)));
-  throw InputError(fmt::format("{}: unknown key; the keys of [{}] are {}", shortened(name), section,
-                               fmt::join(known, ", ")));
+  if (!known.empty())
+    throw InputError(fmt::format("{}: unknown key; the keys of [{}] are {}", shortened(name),
+                                 section, fmt::join(known, ", ")));
+  throw InputError(fmt::format("{}: {}; the sections are {}", shortened(name),
+                               section == name ? "key before any [section]" : "unknown key",
+                               fmt::join(job_sections, ", ")));
 }
 
-/// The values that a job file gives, scene_file among them.
+/// The values in the text of a job file, including scene_file.
 Values parse_values(const std::string& text, const std::string& name) {
   const Values values = parse_config(text, name);
   for (const auto& [given, value] : values) {
@@ -49,23 +46,23 @@ Values parse_values(const std::string& text, const std::string& name) {
   return values;
 }
 
-/// The values that a scene file gives.
+/// The values in a scene file.
 Values read_scene_file(const std::string& path) {
   const Values values = parse_values(read_job_file(path, scene_file + " = "), path);
   for (const auto& [name, value] : values) {
     if (name == scene_file)
       refuse(scene_file, path,
-             fmt::format("a file that does not name another one, as this does (file = {})",
+             fmt::format("a file that does not name another scene file (file = {})",
                          shortened(value)));
     if (!name.starts_with("scene."))
-      refuse(scene_file, path, fmt::format("a file of [scene] alone, without {}", name));
+      refuse(scene_file, path, fmt::format("a file with keys of [scene] only, without {}", name));
   }
   return values;
 }
 
-/// The values of `lower` that `higher` does not give.
+/// Adds the values of `lower` whose keys are not in `higher`.
 void add_missing(Values& higher, const Values& lower) {
-  higher.insert(lower.begin(), lower.end());  // does not replace
+  higher.insert(lower.begin(), lower.end());  // keeps existing values
 }
 
 std::vector<std::string_view> steppers_with(bool tolerance) {
@@ -84,50 +81,49 @@ bool is_used(const std::string& name, const Solver& solver) {
   return true;
 }
 
-/// Refuses keys that are given although the solver does not use them.
+/// Throws InputError if a key is given that the solver does not use.
 void check_used(const Values& given, const Solver& solver) {
   for (const auto& [name, value] : given) {
     if (is_used(name, solver)) continue;
     if (name == "solver.release-window")
-      refuse(name, value,
-             "left out where solver.release is crossing; give release = window to use it");
+      refuse(name, value, "left out unless solver.release is window");
     const bool adaptive = follows_tolerance(solver.stepper);
     refuse(name, value,
            fmt::format("left out: the {} stepper {} does not use it; {} or choose one of {}",
-                       adaptive ? "adaptive" : "fixed", solver.stepper,
+                       adaptive ? "adaptive" : "fixed-step", solver.stepper,
                        adaptive ? "give solver.tolerance" : "give solver.time-step",
                        fmt::join(steppers_with(!adaptive), ", ")));
   }
 }
 
-/// Refuses keys that are each allowed but make no sense together.
+/// Throws InputError if values contradict each other although each is allowed.
 void check(const Job& job, const Values& given) {
   const Solver& solver = job.solver;
   if (follows_tolerance(solver.stepper) && solver.release == Release::window)
     refuse("solver.release", "window",
-           fmt::format("crossing for the adaptive stepper {}, whose steps may leap over the window",
+           fmt::format("crossing for the adaptive stepper {}, whose steps may skip the window",
                        solver.stepper));
   check_used(given, solver);
   if (solver.target_error > 0 && given.count("solver.tolerance") > 0)
     refuse("solver.target-error", fmt::format("{}", solver.target_error),
-           "given without solver.tolerance, which it chooses");
+           "given without solver.tolerance, because it determines the tolerance");
   if (job.scene.sling_damping > 0 && job.scene.sling_stiffness == 0)
     refuse("scene.sling-damping", fmt::format("{}", job.scene.sling_damping),
-           "0 without a sling-stiffness above 0: a rigid sling has no stretch to damp");
+           "0 unless scene.sling-stiffness is above 0: a rigid sling does not stretch");
   const auto& fields = job.output.fields;
   if (job.scene.beam_side == 0 &&
       std::count(fields.begin(), fields.end(), Field::peak_beam_stress) > 0)
     refuse("output.fields", "peak-beam-stress",
-           "left out where scene.beam-side is 0: there is no section to bear the stress");
+           "left out if scene.beam-side is 0: the beam then has no cross-section");
 }
 
 }  // namespace
 
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides) {
-  const auto folder = std::filesystem::path(name).parent_path();
+  const auto directory = std::filesystem::path(name).parent_path();
   const Values in_job = parse_values(text, name);
   Job job;
-  // From the highest precedence to the lowest.
+  // From the highest precedence to the lowest: add_missing keeps what is given already.
   Values given = overrides;
   const auto add_scene_file = [&](const std::string& path) {
     add_missing(given, read_scene_file(path));
@@ -135,19 +131,19 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
   };
   if (overrides.count(scene_file)) add_scene_file(overrides.at(scene_file));
   add_missing(given, in_job);
-  if (in_job.count(scene_file)) add_scene_file(folder / in_job.at(scene_file));
+  if (in_job.count(scene_file)) add_scene_file(directory / in_job.at(scene_file));
   given.emplace("output.file", std::filesystem::path(name).stem().string() + ".h5");
 
   for (const Key& key : job_keys())
     if (const auto value = given.find(key.name); value != given.end()) key.set(job, value->second);
   check(job, given);
-  // Files that the job names lie next to it; those of options, as usual, where the user is.
-  const auto place = [&](const char* key, std::vector<std::string>& paths) {
+  // Paths in the job file are relative to its directory, paths in options to the working directory.
+  const auto resolve = [&](const char* key, std::vector<std::string>& paths) {
     if (overrides.count(key)) return;
-    for (std::string& path : paths) path = folder / path;
+    for (std::string& path : paths) path = directory / path;
   };
-  place("assess.scenes", job.assess.scenes);
-  place("assess.extremes", job.assess.extremes);
+  resolve("assess.scenes", job.assess.scenes);
+  resolve("assess.extremes", job.assess.extremes);
   return job;
 }
 
@@ -157,7 +153,8 @@ std::string to_text(const Job& job, bool with_assessment) {
     const std::string value = key.get(job);
     if (value.empty() || (key.section() == "assess" && !with_assessment)) continue;
     if (!is_used(key.name, job.solver)) continue;
-    if (key.name == "solver.tolerance" && job.solver.target_error > 0) continue;  // not chosen yet
+    // With a target error the tolerance is not chosen yet.
+    if (key.name == "solver.tolerance" && job.solver.target_error > 0) continue;
     if (section != key.section()) {
       section = key.section();
       text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section);

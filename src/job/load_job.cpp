@@ -15,14 +15,14 @@ Job load_job(const std::string& path, const Overrides& overrides) {
   Job job = parse_job(read_job_file(path), path, overrides);
   if (job.solver.target_error > 0) {
     job.solver.tolerance = tolerance_for_target(job);
-    job.solver.target_error = 0;  // settled
+    job.solver.target_error = 0;  // replaced by the tolerance
     fmt::print(stderr, "tolerance {:.2g}\n", job.solver.tolerance);
   }
   return job;
 }
 
 Job load_job(const std::string& path, const Overrides& overrides, MPI_Comm comm) {
-  std::string scene_files;  // a line each
+  std::string scene_files;  // one per line
   const std::string text = mpi::text_of_root(comm, [&] {
     const Job job = load_job(path, overrides);
     scene_files = fmt::format("{}", fmt::join(job.scene_files, "\n"));

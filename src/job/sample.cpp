@@ -6,23 +6,24 @@
 namespace trebsweep {
 namespace {
 
-/// How many values of r2 belong to a value of r3.
+/// The number of designs along r2 at a value of r3.
 std::size_t row_length(const Lattice& lattice, std::size_t i3) {
   std::size_t i2 = 0;
   while (i2 < lattice.extent()[2] && lattice.holds({0, i3, i2})) ++i2;
   return i2;
 }
 
+/// The corners of the triangular prism of designs; fewer than six if it is thin.
 std::set<Index3> corners(const Lattice& lattice) {
   const Index3 extent = lattice.extent();
   std::size_t last3 = extent[1] - 1;
   while (last3 > 0 && !lattice.holds({0, last3, 0})) --last3;
-  std::set<Index3> places;
+  std::set<Index3> indices;
   for (const std::size_t i1 : {std::size_t{0}, extent[0] - 1})
     for (const std::size_t i3 : {std::size_t{0}, last3})
       for (const std::size_t i2 : {std::size_t{0}, row_length(lattice, i3) - 1})
-        places.insert({i1, i3, i2});
-  return places;
+        indices.insert({i1, i3, i2});
+  return indices;
 }
 
 }  // namespace
@@ -39,20 +40,20 @@ std::vector<Design<double>> all_designs(const Lattice& lattice) {
 
 std::vector<Design<double>> sample(const Lattice& lattice, std::size_t count) {
   const Index3 extent = lattice.extent();
-  std::set<Index3> places = corners(lattice);
-  const std::size_t wanted = places.size() + count;
+  std::set<Index3> indices = corners(lattice);
+  const std::size_t wanted = indices.size() + count;
   if (lattice.designs() <= wanted) return all_designs(lattice);
   boost::random::sobol sequence(3);
   const double range = static_cast<double>(sequence.max()) + 1;
-  while (places.size() < wanted) {
-    Index3 place;
+  while (indices.size() < wanted) {
+    Index3 index;
     for (std::size_t d = 0; d < 3; ++d)
-      place[d] = static_cast<std::size_t>(static_cast<double>(sequence()) / range *
+      index[d] = static_cast<std::size_t>(static_cast<double>(sequence()) / range *
                                           static_cast<double>(extent[d]));
-    if (lattice.holds(place)) places.insert(place);
+    if (lattice.holds(index)) indices.insert(index);
   }
   std::vector<Design<double>> designs;
-  for (const Index3& place : places) designs.push_back(lattice.design(place));
+  for (const Index3& index : indices) designs.push_back(lattice.design(index));
   return designs;
 }
 

@@ -5,18 +5,18 @@
 
 using namespace trebsweep;
 
-TEST_CASE("A text of rank 0 reaches every rank") {
+TEST_CASE("broadcast gives every rank the text of rank 0") {
   const std::string text = mpi::rank(MPI_COMM_WORLD) == 0 ? "from the root" : "";
   CHECK(mpi::broadcast(text, MPI_COMM_WORLD) == "from the root");
   CHECK(mpi::broadcast("", MPI_COMM_WORLD).empty());
 }
 
-TEST_CASE("A value of rank 0 reaches every rank") {
+TEST_CASE("from_root gives every rank the value of rank 0") {
   const std::array<double, 2> value{0.5 * mpi::rank(MPI_COMM_WORLD), 5};
   CHECK(mpi::from_root(value, MPI_COMM_WORLD) == std::array<double, 2>{0, 5});
 }
 
-TEST_CASE("Reductions are over all ranks, with the result on all") {
+TEST_CASE("Reductions combine the values of all ranks; sum_on_root gives rank 0 the result") {
   const int rank = mpi::rank(MPI_COMM_WORLD), size = mpi::size(MPI_COMM_WORLD);
   CHECK(mpi::max(rank, MPI_COMM_WORLD) == size - 1);
   CHECK(mpi::min(static_cast<std::uint64_t>(rank) + 7, MPI_COMM_WORLD) == 7);
@@ -30,7 +30,7 @@ TEST_CASE("Reductions are over all ranks, with the result on all") {
   if (rank == 0) CHECK(numbers == std::array<double, 2>{0.5 * size, size * (size - 1) / 2.0});
 }
 
-TEST_CASE("What rank 0 returns or throws is returned or thrown everywhere") {
+TEST_CASE("Every rank returns or throws what rank 0 returns or throws") {
   int calls = 0;
   const auto text = mpi::text_of_root(MPI_COMM_WORLD, [&] { return ++calls, std::string("done"); });
   CHECK(text == "done");
@@ -43,7 +43,7 @@ TEST_CASE("What rank 0 returns or throws is returned or thrown everywhere") {
   CHECK_THROWS_AS(fail(), mpi::RootError);
 }
 
-TEST_CASE("What ranks compute in turn is known to all of them") {
+TEST_CASE("share gives every rank the results of all ranks, in order") {
   struct Result {
     std::size_t n;
     double half;

@@ -5,26 +5,27 @@
 
 using namespace trebsweep;
 
-TEST_CASE("The whole text must be a number, but for blanks around it and a leading +") {
+TEST_CASE(
+    "parse_number accepts a number with surrounding spaces and a leading +, and nothing else") {
   double x = 0;
   for (const std::string good : {"1.5", " 1.5 ", "+1.5", "15e-1"}) {
-    CHECK(parses(good, x));
+    CHECK(parse_number(good, x));
     CHECK(x == 1.5);
   }
   for (const std::string bad : {"", " ", "1.5 m", "1,5", "0x1", "--1", "+-1", "1.5.", "1e999"})
-    CHECK_FALSE(parses(bad, x));
+    CHECK_FALSE(parse_number(bad, x));
   std::uint64_t n = 0;
-  CHECK(parses("18446744073709551615", n));
-  CHECK_FALSE(parses("18446744073709551616", n));
-  CHECK_FALSE(parses("-1", n));
+  CHECK(parse_number("18446744073709551615", n));
+  CHECK_FALSE(parse_number("18446744073709551616", n));
+  CHECK_FALSE(parse_number("-1", n));
 }
 
-TEST_CASE("A number outside its range is refused by key, value and range") {
+TEST_CASE("The message about a number outside its range names key, value and range") {
   CHECK(to_number("mass", "2", positive) == 2);
   CHECK(to_number("mass", "0", not_negative) == 0);
   CHECK_THROWS_WITH(to_number("mass", "0", positive), "mass = 0: must be a finite number above 0");
   CHECK_THROWS_WITH(to_number("mass", "-0.1", not_negative),
-                    "mass = -0.1: must be a finite number not below 0");
+                    "mass = -0.1: must be a finite number of at least 0");
   CHECK_THROWS_WITH(to_number("level", "10", Range{0, 9}),
                     "level = 10: must be a number from 0 to 9");
   CHECK_THROWS_WITH(to_number("angle", "2", Range{0, 2, false}),
@@ -38,7 +39,7 @@ TEST_CASE("A number outside its range is refused by key, value and range") {
     CHECK_THROWS_AS(to_number("mass", value, positive), InputError);
 }
 
-TEST_CASE("Times are seconds, or said with colons as batch systems do") {
+TEST_CASE("Durations are in seconds, or in the colon notation of batch systems") {
   const auto seconds = [](const std::string& text) { return to_seconds("time-limit", text); };
   CHECK(seconds("90") == 90);
   CHECK(seconds("0.5") == 0.5);

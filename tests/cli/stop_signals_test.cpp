@@ -6,7 +6,7 @@
 
 using namespace trebsweep;
 
-TEST_CASE("Each of the signals asks to stop, and is forgotten afterwards") {
+TEST_CASE("Each of the signals requests a stop, and a new instance starts without a request") {
   for (const int number : {SIGINT, SIGTERM, SIGUSR1}) {
     const StopSignals signals;
     CHECK_FALSE(signals.requested());

@@ -8,7 +8,7 @@
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/job/job.hpp"
-#include "trebsweep/job/lattice.hpp"
+#include "trebsweep/job/tiling.hpp"
 
 using namespace trebsweep;
 

@@ -26,7 +26,7 @@ Job read(const std::string& name) {
   return parse_job(read_job_file(path), path, {});
 }
 
-/// A scene file that is removed at the end of its scope.
+/// A scene file that is removed on destruction.
 struct SceneFile {
   fs::path path;
 
@@ -38,7 +38,7 @@ struct SceneFile {
 
 }  // namespace
 
-TEST_CASE("An empty job is the paper's scene and lattice, integrated as by accurate.cfg") {
+TEST_CASE("An empty job is the paper's scene and lattice with the solver of accurate.cfg") {
   const Job job = parse("");
   CHECK(job.scene.gravity == 9.8);
   CHECK(job.scene.counterweight_mass == 5000);
@@ -49,7 +49,7 @@ TEST_CASE("An empty job is the paper's scene and lattice, integrated as by accur
         to_text(parse_job(read_job_file(SOURCE_DIR "/jobs/accurate.cfg"), "my.cfg", {})));
 }
 
-TEST_CASE("jobs/paper.cfg asks for Euler's method and the window, and for nothing else") {
+TEST_CASE("jobs/paper.cfg sets Euler's method and the release window, and no other key") {
   const Job job = read("paper.cfg");
   CHECK(job.solver.stepper == "euler");
   CHECK(job.solver.time_step == 0.01);
@@ -59,7 +59,7 @@ TEST_CASE("jobs/paper.cfg asks for Euler's method and the window, and for nothin
   CHECK(given.size() == 2);
 }
 
-TEST_CASE("The command line wins over the file, and the file over the defaults") {
+TEST_CASE("Options take precedence over the job file, and the job file over the defaults") {
   const Job job = parse("[scene]\ngravity = 1.6 # on the Moon\nprojectile-mass = 50\n",
                         {{"scene.gravity", "3.7"}, {"output.file", "mars.h5"}});
   CHECK(job.scene.gravity == 3.7);
@@ -68,7 +68,7 @@ TEST_CASE("The command line wins over the file, and the file over the defaults")
   CHECK(job.output.file == "mars.h5");
 }
 
-TEST_CASE("A job's text is read back as the same job") {
+TEST_CASE("The text of a job parses to the same job") {
   const std::string text = R"([scene]
 gravity = 9.81
 beam-inertia = prism
@@ -96,17 +96,6 @@ compression = 4
   CHECK(job.output.storage == Storage::float32);
 }
 
-TEST_CASE("Every key is refused by its name and value when the value is nonsense") {
-  for (const Key& key : job_keys()) {
-    if (key.name == "output.file" || key.name == "assess.scenes" || key.name == "assess.extremes")
-      continue;  // any text can be a path
-    INFO(key.name);
-    CHECK_THROWS_WITH(parse("", {{key.name, "nonsense"}}),
-                      contains(key.name + " = nonsense: must be "));
-    CHECK_THROWS_AS(parse("", {{key.name, ""}}), InputError);
-  }
-}
-
 TEST_CASE("Masses, heights and gravity must be above zero and of a physical magnitude") {
   for (const std::string key :
        {"gravity", "counterweight-mass", "projectile-mass", "release-height", "fulcrum-height"})
@@ -119,71 +108,8 @@ TEST_CASE("Masses, heights and gravity must be above zero and of a physical magn
     }
 }
 
-TEST_CASE("Values out of range are refused") {
-  const std::vector<std::pair<std::string, std::string>> bad{
-      {"scene.beam-density", "-1"},
-      {"scene.sling-angle", "4"},
-      {"lattice.increment", "0"},
-      {"lattice.increment", "-0.01"},
-      {"lattice.r1", "1:0.5:0.1"},
-      {"lattice.r1", "0.5:1:0"},
-      {"lattice.r1", "0.5:1:-0.1"},
-      {"lattice.r1", "0.5:1"},
-      {"lattice.r1", "0.5:x:0.1"},
-      {"lattice.r1", "0:1:0.1"},
-      {"lattice.r1", "nan"},
-      {"lattice.r1", "1e13"},
-      {"lattice.increment", "1e-13"},
-      {"solver.release-window", "10"},
-      {"solver.release-window", "1.5708"},
-      {"solver.release-window", "0"},
-      {"solver.stepper", "Euler"},
-      {"solver.tolerance", "0"},
-      {"solver.tolerance", "1e-16"},
-      {"solver.tolerance", "1"},
-      {"solver.max-steps", "0"},
-      {"solver.max-steps", "1e6"},
-      {"solver.max-steps", "-5"},
-      {"output.compression", "10"},
-      {"output.compression", "-1"},
-      {"output.compression", "1.5"},
-      {"output.storage", "float16"},
-      {"output.file", "a#b.h5"},
-      {"output.optimum", "slack"},
-      {"scene.sling-stiffness", "-1"},
-      {"scene.sling-stiffness", "1e-13"},
-      {"scene.sling-stiffness", "1e13"},
-      {"scene.sling-damping", "-1"},
-      {"scene.pivot-viscosity", "-1"},
-      {"scene.pivot-friction", "-0.1"},
-      {"scene.sling-mass", "-2"},
-      {"solver.target-error", "0"},
-      {"assess.steppers", "leapfrog"},
-      {"assess.tolerances", "1"},
-      {"assess.time-steps", "0"},
-      {"assess.designs", "0"},
-      {"assess.target-error", "-1"},
-      {"assess.lattice-seconds", "-1"},
-  };
-  for (const auto& [key, value] : bad)
-    CHECK_THROWS_WITH(parse("", {{key, value}}), contains(key + " = " + value + ": must be "));
-}
-
-TEST_CASE("A word of a list is refused by itself") {
-  CHECK_THROWS_WITH(parse("", {{"output.fields", "speed, sped"}}),
-                    contains("output.fields = sped: must be one of speed, release-time"));
-  CHECK_THROWS_WITH(parse("", {{"output.fields", "speed, range, speed"}}),
-                    contains("output.fields = speed: must be listed only once"));
-  CHECK_THROWS_WITH(parse("", {{"assess.steppers", "rk4, rk4"}}),
-                    contains("assess.steppers = rk4: must be listed only once"));
-}
-
-TEST_CASE("A message shows no more than 200 characters of a value") {
-  CHECK_THROWS_WITH(parse("", {{"scene.gravity", std::string(201, '9')}}),
-                    contains(std::string(200, '9') + "...: must be"));
-}
-
-TEST_CASE("An axis must end with its last value; the nearest that would are named") {
+TEST_CASE(
+    "An axis must reach its last value; the message gives the nearest values that it reaches") {
   CHECK_THROWS_WITH(parse("[lattice]\nr2 = 0.5:1.0:0.3\n"),
                     contains("lattice.r2 = 0.5:1.0:0.3: must be") && contains("0.8 and 1.1"));
   CHECK_THROWS_WITH(parse("[lattice]\nr1 = 1:1.1:0.5\n"), contains("1 and 1.5"));
@@ -191,7 +117,8 @@ TEST_CASE("An axis must end with its last value; the nearest that would are name
   CHECK(parse("[lattice]\nr1 = 0.1:0.7:0.1\n").lattice.r1->last == 0.7);
 }
 
-TEST_CASE("Every stepper locates the crossing by default; adaptive ones refuse the window") {
+TEST_CASE(
+    "The default release is the crossing for every stepper; adaptive ones refuse the window") {
   for (const std::string_view stepper : stepper_names)
     CHECK(parse(fmt::format("[solver]\nstepper = {}\n", stepper)).solver.release ==
           Release::crossing);
@@ -200,7 +127,7 @@ TEST_CASE("Every stepper locates the crossing by default; adaptive ones refuse t
   CHECK(parse("[solver]\nstepper = rk4\nrelease = window\n").solver.release == Release::window);
 }
 
-TEST_CASE("A key that the solver does not use is refused with what to do") {
+TEST_CASE("The message about a key that the solver does not use says what to do") {
   CHECK_THROWS_WITH(parse("[solver]\nstepper = euler\ntolerance = 1e-9\n"),
                     contains("solver.tolerance = 1e-9: must be left out") &&
                         contains("give solver.time-step or choose one of cash_karp54"));
@@ -209,7 +136,7 @@ TEST_CASE("A key that the solver does not use is refused with what to do") {
                         contains("give solver.tolerance or choose one of euler"));
   CHECK_THROWS_WITH(
       parse("[solver]\nrelease-window = 0.1\n"),
-      contains("solver.release-window = 0.1: must be left out") && contains("release = window"));
+      contains("solver.release-window = 0.1: must be left out unless solver.release is window"));
   CHECK_THROWS_WITH(
       parse("[solver]\nstepper = euler\nrelease = window\n", {{"solver.stepper", "dopri5"}}),
       contains("solver.release = window"));
@@ -217,12 +144,12 @@ TEST_CASE("A key that the solver does not use is refused with what to do") {
             .solver.release_window == 0.1);
 }
 
-TEST_CASE("A job file whose name cannot be an archive's is told so") {
+TEST_CASE("The message about a job file name that is not a valid archive name names output.file") {
   CHECK_THROWS_WITH(parse_job("", "#1.cfg", {}), contains("output.file = #1.h5"));
   CHECK(parse_job("", "#1.cfg", {{"output.file", "a.h5"}}).output.file == "a.h5");
 }
 
-TEST_CASE("A target error stands for a tolerance, of a stepper that follows one") {
+TEST_CASE("A target error resources the tolerance of an adaptive stepper") {
   const std::string text = to_text(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n"));
   CHECK(to_text(parse(text)) == text);
   CHECK(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n").solver.target_error == 1e-6);
@@ -232,7 +159,9 @@ TEST_CASE("A target error stands for a tolerance, of a stepper that follows one"
       contains("solver.target-error = 1e-06: must be given without solver.tolerance"));
 }
 
-TEST_CASE("An assessment's lists are read; its files lie beside the job, or where the user is") {
+TEST_CASE(
+    "The lists of an assessment are read; its paths are relative to the job file, or to the "
+    "working directory") {
   const std::string text = "[assess]\nscenes = a.cfg, b/c.cfg\ntime-steps = 0.1 0.01\n";
   const Job job = parse_job(text, "jobs/my.cfg", {});
   CHECK(job.assess.scenes == std::vector<std::string>{"jobs/a.cfg", "jobs/b/c.cfg"});
@@ -244,7 +173,7 @@ TEST_CASE("An assessment's lists are read; its files lie beside the job, or wher
   CHECK_THAT(to_text(job), !contains("assess"));
 }
 
-TEST_CASE("Blanks around a number and a leading + are allowed") {
+TEST_CASE("Spaces around a number and a leading + are allowed") {
   CHECK(parse("", {{"scene.gravity", " +9.5 "}}).scene.gravity == 9.5);
   CHECK_THROWS_AS(parse("", {{"scene.gravity", "+-9.5"}}), InputError);
 }
@@ -256,7 +185,7 @@ TEST_CASE("jobs/paper.cfg and jobs/assess.cfg show every key") {
     CHECK_THAT(text, contains(key.name.substr(key.name.find('.') + 1) + " "));
 }
 
-TEST_CASE("Unknown keys are refused with the known ones") {
+TEST_CASE("The message about an unknown key lists the known ones") {
   CHECK_THROWS_WITH(parse("[scene]\ncolour = red\n"),
                     contains("scene.colour") && contains("counterweight-mass"));
   CHECK_THROWS_WITH(parse("[sceen]\ngravity = 1\n"),
@@ -264,24 +193,24 @@ TEST_CASE("Unknown keys are refused with the known ones") {
   CHECK_THROWS_AS(parse("gravity = 1\n"), InputError);
 }
 
-TEST_CASE("A scene key is taken from the first of option, option's file, job and job's file") {
+TEST_CASE("A scene key is taken from the first of the option, its file, the job and its file") {
   const SceneFile of_option("job_test_option.cfg", "gravity = 2\nsling-mass = 2\nbeam-side = 2\n");
   const SceneFile of_job("job_test_job.cfg",
                          "gravity = 4\nsling-mass = 4\nbeam-side = 4\nbeam-density = 4\n");
   const std::string own = "gravity = 3\nsling-mass = 3\nbeam-density = 3\n";
-  // Every subset of the four places, for one key; the highest is 1.
-  for (unsigned places = 0; places < 16; ++places) {
-    INFO(places);
+  // Every subset of the four sources, for one key; that of the highest precedence gives 1.
+  for (unsigned sources = 0; sources < 16; ++sources) {
+    INFO(sources);
     Overrides overrides;
-    if (places & 1) overrides["scene.gravity"] = "1";
-    if (places & 2) overrides[scene_file] = of_option.path;
+    if (sources & 1) overrides["scene.gravity"] = "1";
+    if (sources & 2) overrides[scene_file] = of_option.path;
     std::string text = "[scene]\n";
-    if (places & 4) text += "gravity = 3\n";
-    if (places & 8) text += "file = job_test_job.cfg\n";
-    const double expected = places == 0 ? 9.8 : 1 + std::countr_zero(places);
+    if (sources & 4) text += "gravity = 3\n";
+    if (sources & 8) text += "file = job_test_job.cfg\n";
+    const double expected = sources == 0 ? 9.8 : 1 + std::countr_zero(sources);
     CHECK(parse_job(text, TEST_DIR "/my.cfg", overrides).scene.gravity == expected);
   }
-  // With all four, each key comes from the highest place that gives it.
+  // With all four sources, each key comes from the first source that sets it.
   const Job job = parse_job("[scene]\nfile = job_test_job.cfg\n" + own, TEST_DIR "/my.cfg",
                             {{"scene.gravity", "1"}, {scene_file, of_option.path}});
   CHECK(job.scene.gravity == 1);
@@ -292,7 +221,7 @@ TEST_CASE("A scene key is taken from the first of option, option's file, job and
   CHECK(parse(to_text(job)).scene.sling_mass == 2);  // the archive needs no other file
 }
 
-TEST_CASE("The summary's scene names its files and the keys that differ from their defaults") {
+TEST_CASE("scene_text names the scene files and the keys that differ from their defaults") {
   CHECK(scene_text(parse("")) == "the paper's (all keys at their defaults)");
   CHECK(scene_text(parse("[scene]\ngravity = 9.8\nprojectile-mass = 50\n")) ==
         "projectile-mass = 50");
@@ -301,32 +230,32 @@ TEST_CASE("The summary's scene names its files and the keys that differ from the
         scene.path.string() + ": sling-mass = 3");
 }
 
-TEST_CASE("The summary's solver names its setting and its release rule") {
+TEST_CASE("solver_text names the step or tolerance and the release condition") {
   CHECK(solver_text(parse("").solver) == "fehlberg78, tolerance 1e-09, release at phi1 = pi");
   CHECK(solver_text(read("paper.cfg").solver) ==
         "euler, time step 0.01 s, release at the first step with |pi - phi1| < 0.05");
 }
 
-TEST_CASE("A scene file has keys of a scene, and names no other file") {
+TEST_CASE("A scene file holds only keys of a scene, and names no other file") {
   const SceneFile nested("job_test_nested.cfg", "file = other.cfg\n");
   CHECK_THROWS_WITH(parse("", {{scene_file, nested.path}}),
                     contains("scene.file = " + nested.path.string() +
-                             ": must be a file that does not name another one"));
+                             ": must be a file that does not name another scene file"));
   const SceneFile solver("job_test_solver.cfg", "[solver]\nstepper = rk4\n");
   CHECK_THROWS_WITH(parse("", {{scene_file, solver.path}}),
                     contains("scene.file") && contains("without solver.stepper"));
   CHECK_THROWS_WITH(parse("[scene]\nfile = nowhere.cfg\n"), contains("some/where/nowhere.cfg"));
 }
 
-TEST_CASE("Effects that make no sense are refused") {
+TEST_CASE("Effects that contradict each other are refused") {
   CHECK_THROWS_WITH(parse("[scene]\nsling-damping = 5\n"),
-                    contains("scene.sling-damping = 5: must be 0 without a sling-stiffness"));
+                    contains("scene.sling-damping = 5: must be 0 unless scene.sling-stiffness"));
   CHECK_THROWS_WITH(parse("[scene]\nbeam-side = 0\n[output]\nfields = peak-beam-stress\n"),
                     contains("output.fields = peak-beam-stress: must be"));
   CHECK(parse("[scene]\nsling-stiffness = 1e5\nsling-damping = 5\n").scene.sling_damping == 5);
 }
 
-TEST_CASE("The job files that come with the program are valid") {
+TEST_CASE("Every job file in jobs/ is valid") {
   for (const auto& entry : fs::recursive_directory_iterator(SOURCE_DIR "/jobs")) {
     if (entry.path().extension() != ".cfg") continue;
     INFO(entry.path());

@@ -8,22 +8,22 @@
 
 using namespace trebsweep;
 
-TEST_CASE("A sample has the corners, and as many designs more as asked for, all different") {
+TEST_CASE("A sample holds the corners and as many other designs as requested, all different") {
   const Lattice lattice(Scene{}, LatticeSpec{});
   const auto designs = sample(lattice, 100);
   CHECK(designs.size() == 106);
-  std::set<std::tuple<double, double, double>> different;
+  std::set<std::tuple<double, double, double>> distinct;
   for (const auto& [r1, r3, r2] : designs) {
     CHECK(r2 < 1.5 - r3 + 1e-9);
-    different.emplace(r1, r3, r2);
+    distinct.emplace(r1, r3, r2);
   }
-  CHECK(different.size() == designs.size());
+  CHECK(distinct.size() == designs.size());
   for (const auto& corner : {std::tuple(0.51, 0.3, 0.01), std::tuple(1.49, 0.3, 1.19),
                              std::tuple(0.51, 1.48, 0.01), std::tuple(1.49, 0.3, 0.01)})
-    CHECK(different.count(corner) == 1);
+    CHECK(distinct.count(corner) == 1);
 }
 
-TEST_CASE("A sample is spread over the lattice") {
+TEST_CASE("A sample is spread evenly over the lattice") {
   const auto designs = sample(Lattice(Scene{}, LatticeSpec{}), 200);
   const auto below = std::count_if(designs.begin(), designs.end(),
                                    [](const Design<double>& d) { return d.r1 < 1; });
@@ -31,7 +31,7 @@ TEST_CASE("A sample is spread over the lattice") {
         Approx(0.5).margin(0.05));
 }
 
-TEST_CASE("A sample of a small lattice is all of it") {
+TEST_CASE("A sample of a small lattice is the whole lattice") {
   LatticeSpec spec;
   spec.increment = 0.25;
   const Lattice lattice(Scene{}, spec);

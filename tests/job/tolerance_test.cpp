@@ -22,25 +22,26 @@ Job job_with_target(const std::string& stepper, double target) {
 }  // namespace
 
 TEST_CASE(
-    "A tolerance chosen for a target keeps the whole lattice within it, and is not far too tight") {
+    "The tolerance for a target error meets it on the whole lattice without being too tight") {
   for (const std::string stepper : {"cash_karp54", "dopri5", "fehlberg78"})
     for (const double target : {1e-3, 1e-6, 1e-9}) {
       const Job job = job_with_target(stepper, target);
       const auto designs = all_designs(Lattice(job.scene, job.lattice));
-      std::vector<SwingResult> results(designs.size()), truth(designs.size());
+      std::vector<SwingResult> results(designs.size()), reference(designs.size());
       const Solver chosen = solver_of(stepper, tolerance_for_target(job), job.solver);
       integrate(job.scene, chosen, {designs, results});
-      integrate(job.scene, solver_of("fehlberg78", 1e-13, job.solver), {designs, truth});
+      integrate(job.scene, solver_of("fehlberg78", 1e-13, job.solver), {designs, reference});
       double largest = 0;
       for (std::size_t i = 0; i < results.size(); ++i)
-        largest = std::max(largest, std::abs(results[i].speed - truth[i].speed));
+        largest = std::max(largest, std::abs(results[i].speed - reference[i].speed));
       INFO(stepper << " for " << target);
       CHECK(largest <= target);
       CHECK(largest > target / 1000);
     }
 }
 
-TEST_CASE("A target that no tolerance reaches is refused with what can be reached") {
+TEST_CASE(
+    "The message about a target error that no tolerance meets gives the smallest possible one") {
   CHECK_THROWS_WITH(tolerance_for_target(job_with_target("dopri5", 1e-18)),
                     contains("solver.target-error = 1e-18: must be at least"));
 }

@@ -8,6 +8,7 @@
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/job/config_file.hpp"
+#include "trebsweep/job/tiling.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
 using namespace trebsweep;

@@ -8,6 +8,7 @@
 #include "trebsweep/archive/archive_format.hpp"
 #include "trebsweep/archive/progress_callback.hpp"
 #include "trebsweep/archive/run_id.hpp"
+#include "trebsweep/job/tiling.hpp"
 
 namespace trebsweep {
 

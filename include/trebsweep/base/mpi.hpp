@@ -14,9 +14,9 @@
 
 namespace trebsweep::mpi {
 
-// MPI's default error handler ends the run on any failure, so return codes need no checks here.
+// Return codes are not checked: MPI's default error handler aborts the run on any failure.
 
-/// MPI from construction to destruction.
+/// Initializes MPI, and finalizes it on destruction.
 class Environment {
  public:
   Environment(int& argc, char**& argv) { MPI_Init(&argc, &argv); }
@@ -28,10 +28,10 @@ class Environment {
 int rank(MPI_Comm comm);
 int size(MPI_Comm comm);
 
-/// The text of one rank, on every rank.
+/// Returns the text of rank `root` on every rank.
 std::string broadcast(std::string text, MPI_Comm comm, int root = 0);
 
-/// Rank 0's value, on every rank.
+/// Returns rank 0's value on every rank.
 template <class Value>
 Value from_root(Value value, MPI_Comm comm) {
   static_assert(std::is_trivially_copyable_v<Value>);
@@ -39,15 +39,16 @@ Value from_root(Value value, MPI_Comm comm) {
   return value;
 }
 
+/// Reductions over all ranks, with the result on every rank.
 double max(double value, MPI_Comm comm);
 std::uint64_t min(std::uint64_t value, MPI_Comm comm);
 double sum(double value, MPI_Comm comm);
 void sum(std::span<std::uint64_t> values, MPI_Comm comm);
 
-/// Sums that only rank 0 gets; what the others' values become is left open.
+/// Element-wise sums on rank 0; on the other ranks `values` is unspecified afterwards.
 void sum_on_root(std::span<double> values, MPI_Comm comm);
 
-/// f(0), ..., f(n - 1) on every rank, each computed by one of them in turn.
+/// Returns f(0), ..., f(n - 1) on every rank; f(i) is computed by rank i % size.
 template <class F>
 auto share(std::size_t n, MPI_Comm comm, F f) {
   using Result = decltype(f(n));
@@ -58,7 +59,7 @@ auto share(std::size_t n, MPI_Comm comm, F f) {
     const Result result = f(i);
     std::memcpy(&bytes[i * sizeof(Result)], &result, sizeof(Result));
   }
-  // What the others computed is zero here.
+  // Entries computed by other ranks are zero here, so OR merges them.
   MPI_Allreduce(MPI_IN_PLACE, bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, MPI_BOR,
                 comm);
   std::vector<Result> results(n);
@@ -66,20 +67,20 @@ auto share(std::size_t n, MPI_Comm comm, F f) {
   return results;
 }
 
-/// A failure of one rank that all ranks know of, and can end together with.
+/// A failure on one rank that every rank throws, so that all ranks can end together.
 struct RootError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Runs f on rank 0 and gives every rank the text it returns. Where f throws an InputError, every
-/// rank throws it; where another exception, every rank throws a RootError with its message.
+/// Runs f on rank 0 and returns its text on every rank. If f throws an InputError, every rank
+/// throws it; if f throws another exception, every rank throws a RootError with its message.
 std::string text_of_root(MPI_Comm comm, const std::function<std::string()>& f);
 
-/// The same for what returns nothing.
+/// The same for a function without a result.
 void on_root(MPI_Comm comm, const std::function<void()>& f);
 
-/// Runs f on every rank. Where it throws on some, every rank throws a RootError with the message of
-/// the first of them.
+/// Runs f on every rank. If it throws on any of them, every rank throws a RootError with the
+/// message of the lowest such rank.
 void on_all(MPI_Comm comm, const std::function<void()>& f);
 
 }  // namespace trebsweep::mpi

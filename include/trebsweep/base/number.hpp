@@ -5,41 +5,33 @@
 #include <string>
 #include <string_view>
 
+#include "trebsweep/base/error.hpp"
+
 namespace trebsweep {
 
-/// A user's text for a message, cut after 200 characters.
-std::string shortened(const std::string& text);
-
-/// A text on one line, without control characters, which a terminal would obey.
-std::string printable(std::string text);
-
-/// Refuses a key's value. Throws InputError: "key = value: must be allowed".
-[[noreturn]] void refuse(const std::string& key, const std::string& value,
-                         const std::string& allowed);
-
-/// The finite numbers that a key takes.
+/// A range of finite numbers that a key allows.
 struct Range {
   double low;
   double high = std::numeric_limits<double>::infinity();
-  bool ends_allowed = true;   ///< whether `low` and a finite `high` belong to it
-  bool zero_allowed = false;  ///< whether 0 does, in addition
+  bool ends_allowed = true;   ///< whether `low` and a finite `high` are in the range
+  bool zero_allowed = false;  ///< whether 0 is allowed in addition
 
   bool contains(double x) const;
-  std::string text() const;  ///< "a finite number above 0"
+  std::string text() const;  ///< for messages: "a finite number above 0"
 };
 
 inline constexpr Range positive{0, std::numeric_limits<double>::infinity(), false};
 inline constexpr Range not_negative{0};
 
-/// Physical quantities in SI units: beyond these magnitudes the arithmetic loses its meaning before
-/// it overflows.
+/// Physical quantities in SI units. Far beyond these magnitudes intermediate results overflow or
+/// underflow.
 inline constexpr Range physical{1e-12, 1e12};
 inline constexpr Range physical_or_zero{1e-12, 1e12, true, true};
 
-/// Whether the whole text, but for blanks around it and a leading +, is a number, which it then
-/// becomes.
+/// Parses a number that may have spaces around it and a leading +. Returns whether the whole text
+/// is a number; otherwise `number` is unspecified.
 template <class Number>
-bool parses(std::string_view text, Number& number) {
+bool parse_number(std::string_view text, Number& number) {
   while (text.starts_with(' ')) text.remove_prefix(1);
   while (text.ends_with(' ')) text.remove_suffix(1);
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
@@ -47,11 +39,11 @@ bool parses(std::string_view text, Number& number) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-/// The number that a key's value says. Throws InputError if it is none, or outside the range.
+/// The value of a key as a number. Throws InputError if it is not a number in the range.
 double to_number(const std::string& key, const std::string& value, const Range& range);
 
-/// The seconds that a key's value says: 90, 1:30, 2:00:00 or 1-12:00:00. Throws InputError if it
-/// says none.
+/// The value of a key as a duration in seconds: 90, 1:30, 2:00:00 or 1-12:00:00. Throws InputError
+/// if it is not a duration above 0.
 double to_seconds(const std::string& key, const std::string& value);
 
 }  // namespace trebsweep

@@ -4,7 +4,7 @@
 
 namespace trebsweep {
 
-/// "trebsweep VERSION (REVISION)"; the revision is git's, or "unknown" outside a checkout.
+/// "trebsweep VERSION (REVISION)", where the revision is git's, or "unknown" outside a checkout.
 std::string version_text();
 
 }  // namespace trebsweep

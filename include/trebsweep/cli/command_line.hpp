@@ -11,18 +11,17 @@ namespace trebsweep {
 
 enum class Command { help, version, sweep, trace, assess, info };
 
-/// What the user asked for.
+/// A parsed command line.
 struct CommandLine {
   Command command = Command::help;
-  std::string help;  ///< text to print, for Command::help
-  std::string job_file;
-  std::string archive;  ///< for Command::info
-  Overrides overrides;
+  std::string help;     ///< of Command::help: the text to print
+  std::string file;     ///< the archive of Command::info, otherwise the job file
+  Overrides overrides;  ///< keys of the job file given as options
   bool overwrite = false;
   ProgressStyle progress = ProgressStyle::automatic;
-  double time_limit = std::numeric_limits<double>::infinity();  ///< s, for Command::sweep
-  Design<double> design{};                                      ///< for Command::trace
-  std::optional<double> interval;                               ///< s, for Command::trace
+  double time_limit = std::numeric_limits<double>::infinity();  ///< s, of Command::sweep
+  Design<double> design{};                                      ///< of Command::trace
+  std::optional<double> interval;                               ///< s, of Command::trace
 };
 
 /// Throws InputError.

@@ -5,10 +5,10 @@
 
 namespace trebsweep {
 
-/// What an archive holds, as text for people: of a sweep, its progress, summary, provenance and
-/// job; of an assessment, its tables and job. Where there is no such file but an unfinished one
-/// that will have its name, that of it. Needs no MPI. Throws InputError where there is no file, or
-/// no regular one, and std::runtime_error where it is no archive of this format, or a damaged one.
+/// A description of an archive for human readers: for a sweep its progress, summary, provenance and
+/// job, for an assessment its tables, provenance and job. If the file does not exist, its partial
+/// archive is described. Needs no MPI. Throws InputError if there is no regular file, and
+/// std::runtime_error if the file is damaged or not an archive of this format.
 std::string describe_archive(const std::filesystem::path& path);
 
 }  // namespace trebsweep

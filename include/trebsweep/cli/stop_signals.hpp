@@ -2,9 +2,9 @@
 
 namespace trebsweep {
 
-/// In its scope, SIGINT, SIGTERM and SIGUSR1 ask the program to stop by itself, and a file that
-/// grows beyond its limit makes its write fail instead of ending the program. Behind it SIGUSR1 is
-/// ignored. At most one at a time.
+/// While alive, SIGINT, SIGTERM and SIGUSR1 set a flag instead of ending the program, and a write
+/// beyond the file size limit fails instead of raising SIGXFSZ. Afterwards SIGUSR1 is ignored and
+/// the other signals have their default action. At most one instance may exist at a time.
 class StopSignals {
  public:
   StopSignals();
@@ -12,7 +12,7 @@ class StopSignals {
   StopSignals(const StopSignals&) = delete;
   StopSignals& operator=(const StopSignals&) = delete;
 
-  /// Whether one of the signals has come.
+  /// Whether one of the signals has arrived.
   bool requested() const;
 };
 

@@ -20,13 +20,13 @@ enum class Storage { float64, float32 };
 /// In the order of Storage.
 inline constexpr std::array<std::string_view, 2> storage_names{"float64", "float32"};
 
-/// Which shots compete for the optimum: all, or those whose sling never goes slack.
+/// Which designs compete for the optimum: all, or those whose sling never goes slack.
 enum class OptimumFilter { all, taut };
 
 /// In the order of OptimumFilter.
 inline constexpr std::array<std::string_view, 2> optimum_filter_names{"all", "taut"};
 
-/// What a job stores, and where.
+/// What a sweep stores, and where.
 struct Output {
   std::string file;  ///< the archive's path
   std::vector<Field> fields = {Field::speed, Field::release_time, Field::status};
@@ -35,50 +35,50 @@ struct Output {
   int compression = 0;  ///< deflate level, 0 (off) to 9
 };
 
-/// What `trebsweep assess` is to look at.
+/// What `trebsweep assess` compares.
 struct Assessment {
-  std::vector<std::string> scenes;    ///< scene or job files; none: the job's own scene
-  std::vector<std::string> extremes;  ///< the same, to be tried with one setting per stepper
+  std::vector<std::string> scenes;    ///< scene or job files; if empty, the job's own scene
+  std::vector<std::string> extremes;  ///< scene or job files to try with one setting per stepper
   std::vector<std::string> steppers = {stepper_names.begin(), stepper_names.end()};
-  std::vector<double> time_steps = {1e-2, 3e-3, 1e-3, 3e-4, 1e-4};    ///< s, of fixed steppers
-  std::vector<double> tolerances = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};  ///< of adaptive ones
-  std::uint64_t designs = 24;   ///< of a scene's lattice, beside its corners and optimum
-  std::uint64_t repeats = 5;    ///< of a run that is timed
-  double target_error = 1e-6;   ///< m/s, that advice is given for
-  double lattice_seconds = 10;  ///< longest run over a whole lattice; 0: none
-  /// Options of the command line for the scenes, lattices and solvers of all the files.
+  std::vector<double> time_steps = {1e-2, 3e-3, 1e-3, 3e-4, 1e-4};    ///< s, of fixed-step steppers
+  std::vector<double> tolerances = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};  ///< of adaptive steppers
+  std::uint64_t designs = 24;   ///< sampled per lattice, in addition to its corners and optimum
+  std::uint64_t repeats = 5;    ///< runs per time measurement
+  double target_error = 1e-6;   ///< m/s: the cheapest solver that meets it is recommended
+  double lattice_seconds = 10;  ///< s: longest run over a whole lattice; 0: no such run
+  /// Command-line options that apply to the scenes, lattices and solvers of all files.
   std::map<std::string, std::string> overrides;
 };
 
-/// All that a sweep needs to know.
+/// A job file with its command-line options: everything a command needs to know.
 struct Job {
   Scene scene;
-  std::vector<std::string> scene_files;  ///< paths of the files that set keys of it, as given
+  std::vector<std::string> scene_files;  ///< paths, as given, of the files that set scene keys
   LatticeSpec lattice;
   Solver solver;
   Output output;
   Assessment assess;
 };
 
-/// Values given on the command line, by key name; scene_file among them.
+/// Values given on the command line, by key name, including scene_file.
 using Overrides = std::map<std::string, std::string>;
 
-/// The job of a job file's text; `name` is the file's name, for messages, for the archive's
-/// default name (its stem + ".h5"), and for the folder of the files that the job names.
+/// Parses the text of a job file. `name` is the file's path: it appears in messages, its stem +
+/// ".h5" is the archive's default name, and its directory resolves relative paths in the job.
 ///
-/// A key of [scene] may be given in four places. The first of these that gives it wins:
-/// `overrides`, the file that their scene.file names, the job's [scene], the file that this names.
-/// Throws InputError, also where a key is given that the solver does not use.
+/// The value of a scene key is taken from the first of these that sets it: `overrides`, the file
+/// named by their scene.file, the job's own [scene], the file named by the job's scene.file.
+/// Throws InputError, also if a key is given that the solver does not use.
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides);
 
-/// The job as the text of a job file: every key that its solver uses, with its value. Keys of
-/// [assess] change no map and are included on demand.
+/// The canonical text of a job: a job file with the value of every key that its solver uses. The
+/// keys of [assess] do not affect maps and are included on request.
 std::string to_text(const Job& job, bool with_assessment = false);
 
-/// The scene in one line: its files, and every key that differs from the default.
+/// The scene on one line: its files, and every key that differs from its default.
 std::string scene_text(const Job& job);
 
-/// The solver in one line: the stepper, its setting and the release rule.
+/// The solver on one line: the stepper, its step or tolerance, and the release condition.
 std::string solver_text(const Solver& solver);
 
 }  // namespace trebsweep

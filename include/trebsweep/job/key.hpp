@@ -1,19 +1,27 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "trebsweep/job/job.hpp"
 
 namespace trebsweep {
 
+/// The sections of a job file, in their order.
+inline constexpr std::array<std::string_view, 5> job_sections{"scene", "lattice", "solver",
+                                                              "output", "assess"};
+
 /// One key of the job file, which is also a command-line option.
 struct Key {
-  std::string name;  ///< "section.key"
-  std::string help;  ///< what it is, its unit, what is allowed
-  /// Throws InputError naming key, value and what is allowed.
+  std::string name;         ///< "section.key"
+  std::string placeholder;  ///< of its value, in help: "NUMBER"
+  std::string help;         ///< its meaning, its unit and what is allowed
+  /// Throws InputError naming the key, the value and what is allowed.
   std::function<void(Job&, const std::string&)> set;
+  /// The value as text that `set` accepts; empty if an optional key is not set.
   std::function<std::string(const Job&)> get;
 
   std::string section() const { return name.substr(0, name.find('.')); }
@@ -22,8 +30,8 @@ struct Key {
 /// Every key, in the order of the job file.
 const std::vector<Key>& job_keys();
 
-/// The key that names a file with a scene: relative to the job file, or, as an option, to the
-/// current folder. It is not a Key, since a Job holds the scene itself.
+/// The key that names a scene file. A relative path starts at the job file's directory or, if given
+/// as an option, at the working directory. It is not a Key because a Job holds the scene itself.
 inline const std::string scene_file = "scene.file";
 
 }  // namespace trebsweep

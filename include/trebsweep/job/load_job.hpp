@@ -8,11 +8,11 @@
 
 namespace trebsweep {
 
-/// The job of a job file. A target error becomes the tolerance that reaches it, which is printed on
-/// stderr. Throws InputError.
+/// Reads and parses a job file. A target error is replaced by the tolerance that meets it, which is
+/// printed to stderr. Throws InputError.
 Job load_job(const std::string& path, const Overrides& overrides);
 
-/// The same on every rank; rank 0 alone reads the files. Collective. Throws InputError on all
+/// The same on every rank, where only rank 0 reads files. Collective. Throws InputError on all
 /// ranks.
 Job load_job(const std::string& path, const Overrides& overrides, MPI_Comm comm);
 

@@ -6,11 +6,11 @@
 
 namespace trebsweep {
 
-/// Every design of a lattice, in the order of its maps.
+/// Every design of a lattice, in storage order.
 std::vector<Design<double>> all_designs(const Lattice& lattice);
 
-/// Designs that stand for a lattice's: the corners of its box and of its triangle, and `count` more
-/// by Sobol's low-discrepancy sequence; all of them, if there are no more than that.
+/// Representative designs of a lattice: the corners of its triangular prism, and `count` more taken
+/// from Sobol's low-discrepancy sequence. All designs, if the lattice has no more than that.
 std::vector<Design<double>> sample(const Lattice& lattice, std::size_t count);
 
 }  // namespace trebsweep

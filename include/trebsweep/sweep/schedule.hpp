@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "trebsweep/job/lattice.hpp"
+#include "trebsweep/job/tiling.hpp"
 
 namespace trebsweep {
 

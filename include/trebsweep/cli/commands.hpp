@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "trebsweep/cli/command_line.hpp"
+#include "trebsweep/cli/stop_signals.hpp"
+
+namespace trebsweep {
+
+/// Runs `trebsweep sweep` and returns the exit code. `command` is the command line as typed.
+/// Collective; throws InputError and mpi::RootError on all ranks.
+int run_sweep(const CommandLine& line, const std::string& command, const StopSignals& signals);
+
+/// Runs `trebsweep assess`. `command` is the command line as typed. Collective; throws InputError
+/// and mpi::RootError on all ranks.
+void run_assess(const CommandLine& line, const std::string& command);
+
+/// Runs a command that takes one process: help, version, info or trace. Throws InputError.
+void run_serial(const CommandLine& line);
+
+}  // namespace trebsweep

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <boost/program_options/options_description.hpp>
+
+#include "trebsweep/cli/command_line.hpp"
+
+namespace trebsweep {
+
+/// The options of a command, except for the keys of the job file.
+boost::program_options::options_description command_options(Command command);
+
+/// The keys of the job file that a command uses, as options, in a group per section.
+boost::program_options::options_description key_options(Command command);
+
+}  // namespace trebsweep

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "trebsweep/base/number.hpp"
+#include "trebsweep/job/lattice.hpp"
+
+namespace trebsweep {
+
+/// A kind of keys: how the text of a value is parsed and printed.
+template <class T>
+struct KeyKind {
+  std::string placeholder;  ///< of a value, in help: "NUMBER"
+  std::string allowed;      ///< the values allowed, for help
+  /// The value of the text given for a key. Throws InputError naming the key, the text and what is
+  /// allowed.
+  std::function<T(const std::string& key, const std::string& text)> parse;
+  /// The text that parses to a value; empty for a value that is not set.
+  std::function<std::string(const T&)> print;
+};
+
+KeyKind<double> number(const Range& range);
+
+/// A number that may be left out, when it is 0.
+KeyKind<double> optional_number(const Range& range);
+
+/// An axis as first:last:step or as a single value, m.
+KeyKind<std::optional<AxisRange>> axis_range();
+
+/// A path that survives being written to a job file and read back.
+KeyKind<std::string> path();
+
+/// A list of paths, possibly empty.
+KeyKind<std::vector<std::string>> paths();
+
+/// One of the names.
+KeyKind<std::string> choice(std::span<const std::string_view> names);
+
+/// The words of a list, separated by commas, spaces or both.
+std::vector<std::string> to_words(const std::string& text);
+
+/// The position of a text among the names. Throws InputError if it is not one of them.
+std::size_t to_index(const std::string& key, const std::string& text,
+                     std::span<const std::string_view> names);
+
+template <class Integer>
+KeyKind<Integer> integer(std::uint64_t low, std::uint64_t high) {
+  const std::string allowed = fmt::format("an integer from {} to {}", low, high);
+  return {"INTEGER", allowed,
+          [=](const std::string& key, const std::string& text) {
+            std::uint64_t n = 0;
+            if (!parse_number(text, n) || n < low || n > high) refuse(key, text, allowed);
+            return static_cast<Integer>(n);
+          },
+          [](const Integer& n) { return fmt::format("{}", n); }};
+}
+
+/// One value of an enumeration; `names` are in the order of its values.
+template <class Enum>
+KeyKind<Enum> choice(std::span<const std::string_view> names) {
+  return {"NAME", fmt::format("one of {}", fmt::join(names, ", ")),
+          [=](const std::string& key, const std::string& text) {
+            return static_cast<Enum>(to_index(key, text, names));
+          },
+          [=](const Enum& value) { return std::string(names[static_cast<std::size_t>(value)]); }};
+}
+
+/// A list of at least one value.
+template <class T>
+KeyKind<std::vector<T>> list_of(const KeyKind<T>& element) {
+  return {"LIST", "a list, each " + element.allowed,
+          [=](const std::string& key, const std::string& text) {
+            std::vector<T> values;
+            for (const std::string& word : to_words(text))
+              values.push_back(element.parse(key, word));
+            return values;
+          },
+          [=](const std::vector<T>& values) {
+            std::vector<std::string> words;
+            for (const T& value : values) words.push_back(element.print(value));
+            return fmt::format("{}", fmt::join(words, ", "));
+          }};
+}
+
+/// A list of at least one value, without repetitions.
+template <class T>
+KeyKind<std::vector<T>> set_of(const KeyKind<T>& element) {
+  KeyKind<std::vector<T>> kind = list_of(element);
+  kind.parse = [=, parse_list = kind.parse](const std::string& key, const std::string& text) {
+    const std::vector<T> values = parse_list(key, text);
+    for (auto value = values.begin(); value != values.end(); ++value)
+      if (std::find(values.begin(), value, *value) != value)
+        refuse(key, element.print(*value), "listed only once");
+    return values;
+  };
+  return kind;
+}
+
+}  // namespace trebsweep

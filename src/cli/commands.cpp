@@ -1,0 +1,119 @@
+#include "trebsweep/cli/commands.hpp"
+
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include <cstdio>
+#include <functional>
+
+#include "trebsweep/assess/assess.hpp"
+#include "trebsweep/base/error.hpp"
+#include "trebsweep/base/mpi.hpp"
+#include "trebsweep/base/version.hpp"
+#include "trebsweep/cli/info.hpp"
+#include "trebsweep/cli/trace.hpp"
+#include "trebsweep/job/load_job.hpp"
+#include "trebsweep/sweep/sweep.hpp"
+#include "trebsweep/sweep/warnings.hpp"
+#include "trebsweep/swing/kernel.hpp"
+
+namespace trebsweep {
+namespace {
+
+constexpr int complete = 0;
+constexpr int stopped = 75;  // EX_TEMPFAIL: to be tried again
+
+bool is_root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
+
+void print_summary(const Summary& summary, const Job& job) {
+  const int ranks = mpi::size(MPI_COMM_WORLD);
+  fmt::print("scene     {}\nsolver    {}\n{} on {} {}\narchive   {}\n", scene_text(job),
+             solver_text(job.solver), to_text(summary, job.output.optimum_filter), ranks,
+             ranks == 1 ? "rank" : "ranks", job.output.file);
+  std::fflush(stdout);  // before the warnings on stderr; main checks stdout for errors
+}
+
+void print_warnings(const Summary& summary, const Job& job, const std::function<bool()>& stop) {
+  const Lattice lattice(job.scene, job.lattice);
+  for (const std::string& line : warnings(job, lattice, summary, stop, MPI_COMM_WORLD))
+    if (is_root()) fmt::print(stderr, "warning: {}\n", line);
+}
+
+void print_stopped(const Summary& summary, bool overwrite) {
+  if (summary.begun)
+    fmt::print(stderr,
+               "trebsweep: stopped with {} designs done; the same command continues the sweep{}\n",
+               summary.designs(), overwrite ? ", without --overwrite" : "");
+  else
+    fmt::print(stderr,
+               "trebsweep: stopped with 0 designs done, before the archive was created; the same "
+               "command continues the sweep, given more time\n");
+}
+
+void run_trace(const CommandLine& line) {
+  const Job job = load_job(line.file, line.overrides);
+  const Status status = trace(job, line.design, line.interval, stdout);
+  if (status != Status::released)
+    fmt::print(stderr, "the swing ends without a release: {}\n",
+               status_names[static_cast<std::size_t>(status)]);
+}
+
+}  // namespace
+
+int run_sweep(const CommandLine& line, const std::string& command, const StopSignals& signals) {
+  const double deadline = MPI_Wtime() + line.time_limit;
+  const auto stop = [&] { return signals.requested() || MPI_Wtime() >= deadline; };
+  const Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
+  const SweepOptions options{
+      .overwrite = line.overwrite, .progress = line.progress, .command = command, .stop = stop};
+  const auto summary = sweep(job, options, MPI_COMM_WORLD);
+  if (!summary) {
+    if (is_root())
+      fmt::print(stderr,
+                 "{} holds the complete archive of this job; --overwrite computes it again\n",
+                 job.output.file);
+    return complete;
+  }
+  if (!summary->complete) {
+    if (is_root()) print_stopped(*summary, line.overwrite);
+    return stopped;
+  }
+  if (is_root()) print_summary(*summary, job);
+  print_warnings(*summary, job, stop);
+  return complete;
+}
+
+void run_assess(const CommandLine& line, const std::string& command) {
+  Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
+  for (const auto& [name, value] : line.overrides)
+    if (!name.starts_with("assess.") && !name.starts_with("output."))
+      job.assess.overrides[name] = value;
+  const AssessOptions options{.overwrite = line.overwrite,
+                              .progress = line.progress != ProgressStyle::none,
+                              .command = command};
+  const auto tables = assess(job, options, MPI_COMM_WORLD);
+  if (!is_root()) return;
+  for (const Table& table : tables)
+    if (const std::string text = to_text(table); !text.empty()) fmt::print("{}\n", text);
+  fmt::print("archive   {}\n", job.output.file);
+}
+
+void run_serial(const CommandLine& line) {
+  switch (line.command) {
+    case Command::help:
+      return fmt::print("{}", line.help);
+    case Command::version:
+      return fmt::print("{}\nkernel: {}\n", version_text(), instruction_set());
+    case Command::info:
+      return fmt::print("{}", describe_archive(line.file));
+    case Command::trace:
+      return run_trace(line);
+    case Command::sweep:
+    case Command::assess:
+      // Only `trebsweep sweep -- --help` gets here: main takes it for a request for help.
+      throw InputError(fmt::format("{}: to give a job file of this name, write ./{}",
+                                   shortened(line.file), shortened(line.file)));
+  }
+}
+
+}  // namespace trebsweep

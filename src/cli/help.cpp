@@ -1,0 +1,119 @@
+#include "trebsweep/cli/help.hpp"
+
+#include <sstream>
+
+#include "trebsweep/cli/options.hpp"
+
+namespace trebsweep {
+namespace {
+
+const char* const sweep_help =
+    R"(Usage: trebsweep sweep JOB [options]
+       mpirun -n RANKS trebsweep sweep JOB [options]
+
+Integrates every design (r1, r3, r2) of the job's lattice and writes maps of
+the results to one HDF5 archive (output.file). The summary goes to stdout,
+progress and warnings about doubtful results go to stderr. Until the archive is
+complete, its name ends in .partial.
+
+To continue an interrupted sweep, run the same command again, on any number of
+ranks; a killed sweep loses only its last few seconds. SIGINT (Ctrl-C), SIGTERM,
+SIGUSR1 and --time-limit stop a sweep after a checkpoint, with exit code 75.
+
+)";
+
+const char* const trace_help =
+    R"(Usage: trebsweep trace JOB --r1 NUMBER --r2 NUMBER --r3 NUMBER [options]
+
+Integrates one design from rest to its release and prints the swing as a table
+to stdout: comment lines (#) with the gravity, the height of the fulcrum and the
+release condition, then a header and a row per time. Positions are relative to
+the fulcrum. The columns are
+  t            time, s
+  phi1         angle of the counterweight arm from the upward vertical,
+               clockwise, rad
+  phi2         angle of the sling from the downward vertical, clockwise, rad
+  w1 w2        angular velocities of phi1 and phi2, rad/s
+  x1 y1        position of the counterweight, m
+  xt yt        position of the tip of the throwing arm, m
+  x3 y3        position of the projectile, m
+  speed        speed of the projectile, m/s
+  energy       kinetic, potential and elastic energy, J
+  tension      force of the sling on the projectile, N; negative where a rigid
+               sling would be under compression
+  tip_tension  force of the sling on the tip of the throwing arm, N; differs from
+               tension if the sling has mass
+  axle         force on the axle, N
+  stress       bending stress of the beam at the fulcrum, Pa
+
+)";
+
+const char* const assess_help =
+    R"(Usage: trebsweep assess JOB [options]
+       mpirun -n RANKS trebsweep assess JOB [options]
+
+Compares steppers on a sample of the designs of each scene in
+assess.scenes, with references in quadruple precision: error, steps and run time
+of each setting, order of convergence, largest stable step, error over the whole
+lattice, and the cheapest solver for a target error. The tables go to stdout and
+to the archive (output.file), where each is a group that xarray can open.
+
+)";
+
+const char* const info_help =
+    R"(Usage: trebsweep info FILE
+
+Prints a description of an archive, complete or partial: its progress, the number
+of designs of each status, the optimum so far, its provenance and its job. If
+FILE does not exist, FILE.partial is described.
+
+)";
+
+}  // namespace
+
+std::string general_help() {
+  return R"(trebsweep explores the design space of a trebuchet.
+
+Usage:
+  trebsweep sweep JOB [options]   integrate every design of a lattice and write
+                                  maps of the results to an HDF5 archive
+  trebsweep trace JOB --r1 NUMBER --r2 NUMBER --r3 NUMBER [options]
+                                  print the swing of one design as a table
+  trebsweep assess JOB [options]  measure the error, run time and stability of
+                                  the steppers (integration methods)
+  trebsweep info FILE             describe an archive, complete or partial
+  trebsweep COMMAND --help        describe a command, its options and keys
+  trebsweep --version             print the version and the instruction set
+
+sweep and assess run in parallel: mpirun -n RANKS trebsweep sweep JOB
+
+JOB is a text file with keys and values; jobs/paper.cfg shows all of them. Every
+key is also an option, which takes precedence: --solver.tolerance 1e-9. The value
+of a scene key is taken from the first of these that sets it:
+  1. the option --scene.KEY
+  2. the file named by the option --scene.file
+  3. the section [scene] of the job file
+  4. the file named by the key file in that section
+  5. the default
+
+Exit codes:
+   0  complete
+   1  run-time error
+   2  invalid command line or job file; nothing was written
+  75  stopped before the end; run the same command again to continue
+)";
+}
+
+std::string command_help(Command command) {
+  std::ostringstream text;
+  text << (command == Command::sweep    ? sweep_help
+           : command == Command::assess ? assess_help
+           : command == Command::info   ? info_help
+                                        : trace_help)
+       << command_options(command);
+  if (command != Command::info)
+    text << "\nThe keys of the job file are options as well.\n" << key_options(command);
+  return text.str();
+}
+
+}  // namespace trebsweep

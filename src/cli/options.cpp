@@ -1,0 +1,86 @@
+#include "trebsweep/cli/options.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/program_options.hpp>
+
+#include "trebsweep/job/key.hpp"
+
+namespace trebsweep {
+namespace {
+
+namespace po = boost::program_options;
+
+constexpr unsigned line_length = 80;
+// For keys: so long that Boost starts each description on a new line.
+constexpr unsigned description_length = line_length - 6;
+
+/// A value, taken as text so that to_number and refuse() check and report all values alike.
+po::typed_value<std::string>* text(const char* placeholder) {
+  return po::value<std::string>()->value_name(placeholder);
+}
+
+/// Whether a command uses a key.
+bool uses(Command command, const Key& key) {
+  const std::string section = key.section();
+  if (section == "scene" || section == "solver") return true;
+  if (command == Command::trace) return false;
+  if (command == Command::assess) return section != "output" || key.name == "output.file";
+  return section != "assess";
+}
+
+}  // namespace
+
+po::options_description command_options(Command command) {
+  po::options_description options("Options", line_length);
+  auto add = options.add_options();
+  add("help,h", "print this help");
+  switch (command) {
+    case Command::sweep:
+      add("overwrite", "replace an existing archive, or a partial one, and start from scratch");
+      add("progress", text("STYLE"), "progress on stderr: auto (default), bar, lines or none");
+      add("time-limit", text("TIME"),
+          "stop with exit code 75 after this time, in seconds or as "
+          "[[days-]hours:]minutes:seconds");
+      break;
+    case Command::assess:
+      add("overwrite", "replace an existing archive");
+      add("progress", text("STYLE"), "progress on stderr: auto (default), bar, lines or none");
+      break;
+    case Command::trace:
+      add("r1", text("NUMBER"), "length of the counterweight arm, m (required)");
+      add("r2", text("NUMBER"), "length of the throwing arm, m (required)");
+      add("r3", text("NUMBER"), "length of the sling, m (required)");
+      add("interval", text("NUMBER"),
+          "time between rows, s (default: every step of a fixed-step stepper, 0.01 s otherwise)");
+      break;
+    case Command::help:
+    case Command::version:
+    case Command::info:
+      break;
+  }
+  return options;
+}
+
+po::options_description key_options(Command command) {
+  po::options_description options(line_length, description_length);
+  const Job defaults;
+  for (const std::string_view section : job_sections) {
+    po::options_description group(fmt::format("Keys of [{}]", section), line_length,
+                                  description_length);
+    if (section == "scene")
+      group.add_options()(scene_file.c_str(), text("PATH"),
+                          "file with keys of [scene], which take precedence over the job file");
+    for (const Key& key : job_keys()) {
+      if (key.section() != section || !uses(command, key)) continue;
+      const std::string value = key.get(defaults);
+      group.add_options()(
+          key.name.c_str(), text(key.placeholder.c_str()),
+          (key.help + (value.empty() ? "" : fmt::format(" (default: {})", value))).c_str());
+    }
+    if (!group.options().empty()) options.add(group);
+  }
+  return options;
+}
+
+}  // namespace trebsweep

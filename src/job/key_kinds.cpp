@@ -1,0 +1,118 @@
+#include "trebsweep/job/key_kinds.hpp"
+
+#include <boost/algorithm/string.hpp>
+#include <cmath>
+
+namespace trebsweep {
+namespace {
+
+/// Whether a path survives being written to a job file, where a # starts a comment.
+bool is_readable_back(const std::string& path) {
+  return !path.empty() && path == boost::trim_copy(path) &&
+         path.find_first_of("#\n\r\"") == std::string::npos;
+}
+
+/// Throws InputError unless stepping from the first value reaches the last one.
+void check_steps(const std::string& key, const std::string& text, const AxisRange& axis) {
+  const double steps = (axis.last - axis.first) / axis.step;
+  // In steps: decimals are rounded to doubles, relative to the magnitude of the last value.
+  const double rounding_allowance = 1e-9 + 1e-15 * axis.last / axis.step;
+  if (std::abs(steps - std::round(steps)) <= rounding_allowance) return;
+  const auto value_after = [&](double n) { return axis.first + n * axis.step; };
+  refuse(key, text,
+         fmt::format("a range whose last value is an integer number of steps from the first; the "
+                     "nearest are {:.15g} and {:.15g}",
+                     value_after(std::floor(steps)), value_after(std::ceil(steps))));
+}
+
+AxisRange to_axis(const std::string& key, const std::string& text) {
+  const std::string allowed =
+      "first:last:step or a single value, in metres, each from 1e-12 to 1e+12, with first <= last";
+  std::vector<std::string> parts;
+  boost::split(parts, text, boost::is_any_of(":"));
+  std::vector<double> numbers;
+  for (const std::string& part : parts) {
+    double x = 0;
+    if (!parse_number(part, x) || !physical.contains(x)) refuse(key, text, allowed);
+    numbers.push_back(x);
+  }
+  if (numbers.size() == 1) return {numbers[0], numbers[0], 1};
+  if (numbers.size() != 3 || numbers[0] > numbers[1]) refuse(key, text, allowed);
+  const AxisRange axis{numbers[0], numbers[1], numbers[2]};
+  check_steps(key, text, axis);
+  return axis;
+}
+
+}  // namespace
+
+std::vector<std::string> to_words(const std::string& text) {
+  std::vector<std::string> words;
+  boost::split(words, boost::trim_copy(text), boost::is_any_of(", "), boost::token_compress_on);
+  return words;
+}
+
+std::size_t to_index(const std::string& key, const std::string& text,
+                     std::span<const std::string_view> names) {
+  const auto found = std::find(names.begin(), names.end(), text);
+  if (found == names.end()) refuse(key, text, fmt::format("one of {}", fmt::join(names, ", ")));
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+KeyKind<double> number(const Range& range) {
+  return {
+      "NUMBER", range.text(),
+      [=](const std::string& key, const std::string& text) { return to_number(key, text, range); },
+      [](const double& x) { return fmt::format("{}", x); }};
+}
+
+KeyKind<double> optional_number(const Range& range) {
+  KeyKind<double> kind = number(range);
+  kind.print = [](const double& x) { return x > 0 ? fmt::format("{}", x) : ""; };
+  return kind;
+}
+
+KeyKind<std::optional<AxisRange>> axis_range() {
+  return {"RANGE", "first:last:step, including both ends, or a single value", to_axis,
+          [](const std::optional<AxisRange>& axis) -> std::string {
+            if (!axis) return "";
+            if (axis->first == axis->last) return fmt::format("{}", axis->first);
+            return fmt::format("{}:{}:{}", axis->first, axis->last, axis->step);
+          }};
+}
+
+KeyKind<std::string> path() {
+  const std::string allowed =
+      "a path without #, quotes or line breaks, and without spaces at its ends";
+  return {"PATH", allowed,
+          [=](const std::string& key, const std::string& text) {
+            if (!is_readable_back(text)) refuse(key, text, allowed);
+            return text;
+          },
+          [](const std::string& text) { return text; }};
+}
+
+KeyKind<std::vector<std::string>> paths() {
+  return {"LIST", "a list of paths without #, quotes or spaces",
+          [](const std::string& key, const std::string& text) {
+            std::vector<std::string> paths;
+            for (const std::string& word : to_words(text)) {
+              if (word.empty()) continue;
+              if (!is_readable_back(word)) refuse(key, word, "a path without # or quotes");
+              paths.push_back(word);
+            }
+            return paths;
+          },
+          [](const std::vector<std::string>& paths) {
+            return fmt::format("{}", fmt::join(paths, ", "));
+          }};
+}
+
+KeyKind<std::string> choice(std::span<const std::string_view> names) {
+  return {"NAME", fmt::format("one of {}", fmt::join(names, ", ")),
+          [=](const std::string& key, const std::string& text) {
+            return std::string(names[to_index(key, text, names)]);
+          },
+          [](const std::string& name) { return name; }};
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,89 @@
+#include "trebsweep/job/key.hpp"
+
+#include "support/catch.hpp"
+#include "trebsweep/base/error.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+Job parse(const std::string& text, const Overrides& overrides = {}) {
+  return parse_job(text, "my.cfg", overrides);
+}
+
+}  // namespace
+
+TEST_CASE("The message about an invalid value names the key and the value, for every key") {
+  for (const Key& key : job_keys()) {
+    if (key.name == "output.file" || key.name == "assess.scenes" || key.name == "assess.extremes")
+      continue;  // any text can be a path
+    INFO(key.name);
+    CHECK_THROWS_WITH(parse("", {{key.name, "nonsense"}}),
+                      contains(key.name + " = nonsense: must be "));
+    CHECK_THROWS_AS(parse("", {{key.name, ""}}), InputError);
+  }
+}
+
+TEST_CASE("Values out of range are refused") {
+  const std::vector<std::pair<std::string, std::string>> bad{
+      {"scene.beam-density", "-1"},
+      {"scene.sling-angle", "4"},
+      {"lattice.increment", "0"},
+      {"lattice.increment", "-0.01"},
+      {"lattice.r1", "1:0.5:0.1"},
+      {"lattice.r1", "0.5:1:0"},
+      {"lattice.r1", "0.5:1:-0.1"},
+      {"lattice.r1", "0.5:1"},
+      {"lattice.r1", "0.5:x:0.1"},
+      {"lattice.r1", "0:1:0.1"},
+      {"lattice.r1", "nan"},
+      {"lattice.r1", "1e13"},
+      {"lattice.increment", "1e-13"},
+      {"solver.release-window", "10"},
+      {"solver.release-window", "1.5708"},
+      {"solver.release-window", "0"},
+      {"solver.stepper", "Euler"},
+      {"solver.tolerance", "0"},
+      {"solver.tolerance", "1e-16"},
+      {"solver.tolerance", "1"},
+      {"solver.max-steps", "0"},
+      {"solver.max-steps", "1e6"},
+      {"solver.max-steps", "-5"},
+      {"output.compression", "10"},
+      {"output.compression", "-1"},
+      {"output.compression", "1.5"},
+      {"output.storage", "float16"},
+      {"output.file", "a#b.h5"},
+      {"output.optimum", "slack"},
+      {"scene.sling-stiffness", "-1"},
+      {"scene.sling-stiffness", "1e-13"},
+      {"scene.sling-stiffness", "1e13"},
+      {"scene.sling-damping", "-1"},
+      {"scene.pivot-viscosity", "-1"},
+      {"scene.pivot-friction", "-0.1"},
+      {"scene.sling-mass", "-2"},
+      {"solver.target-error", "0"},
+      {"assess.steppers", "leapfrog"},
+      {"assess.tolerances", "1"},
+      {"assess.time-steps", "0"},
+      {"assess.designs", "0"},
+      {"assess.target-error", "-1"},
+      {"assess.lattice-seconds", "-1"},
+  };
+  for (const auto& [key, value] : bad)
+    CHECK_THROWS_WITH(parse("", {{key, value}}), contains(key + " = " + value + ": must be "));
+}
+
+TEST_CASE("The message about an invalid word of a list names that word only") {
+  CHECK_THROWS_WITH(parse("", {{"output.fields", "speed, sped"}}),
+                    contains("output.fields = sped: must be one of speed, release-time"));
+  CHECK_THROWS_WITH(parse("", {{"output.fields", "speed, range, speed"}}),
+                    contains("output.fields = speed: must be listed only once"));
+  CHECK_THROWS_WITH(parse("", {{"assess.steppers", "rk4, rk4"}}),
+                    contains("assess.steppers = rk4: must be listed only once"));
+}
+
+TEST_CASE("A message quotes at most 200 characters of a value") {
+  CHECK_THROWS_WITH(parse("", {{"scene.gravity", std::string(201, '9')}}),
+                    contains(std::string(200, '9') + "...: must be"));
+}
