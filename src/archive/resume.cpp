@@ -13,6 +13,7 @@
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/version.hpp"
 #include "trebsweep/job/key.hpp"
+#include "trebsweep/job/tiling.hpp"
 #include "trebsweep/swing/kernel.hpp"
 
 namespace trebsweep {

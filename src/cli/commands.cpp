@@ -40,7 +40,7 @@ void print_warnings(const Summary& summary, const Job& job, const std::function<
 }
 
 void print_stopped(const Summary& summary, bool overwrite) {
-  if (summary.begun)
+  if (summary.partial_created)
     fmt::print(stderr,
                "trebsweep: stopped with {} designs done; the same command continues the sweep{}\n",
                summary.designs(), overwrite ? ", without --overwrite" : "");
