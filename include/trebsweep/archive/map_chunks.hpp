@@ -9,6 +9,7 @@
 #include "trebsweep/archive/archive_format.hpp"
 #include "trebsweep/archive/hdf5.hpp"
 #include "trebsweep/archive/progress_callback.hpp"
+#include "trebsweep/job/tiling.hpp"
 
 namespace trebsweep {
 
