@@ -113,7 +113,10 @@ void ArchiveWriter::write(const Attributes& attributes) {
   write_partial(partial_path(path_), [&] { write_attributes(*file_, attributes); });
 }
 
-void ArchiveWriter::flush() { check(H5Fflush(*file_, H5F_SCOPE_GLOBAL), "flush the file"); }
+void ArchiveWriter::flush() {
+  check(H5Fflush(*file_, H5F_SCOPE_GLOBAL), "flush the file");
+  MPI_Barrier(comm_);  // the flush ends with an fsync on every rank, which is not a barrier
+}
 
 void ArchiveWriter::close() {
   write_partial(partial_path(path_), [&] {

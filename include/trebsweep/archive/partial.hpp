@@ -40,13 +40,11 @@
 // allocated at creation and written in place. Compressed chunks move when they are written, but
 // freed space is never reused, so that an index that is out of date still points to valid chunks.
 //
-// It need not survive a node that loses power. A flush ends with MPI_File_sync, an fsync on every
-// rank, so that completed rounds are on disk as far as the file system honours fsync. But between
-// two flushes the system may write to disk in any order, and the fsync is not a barrier: rank 0 can
-// mark tiles while the fsync of step 3 is still running on another node. If power fails during a
-// checkpoint, a tile of the last round may therefore be marked without its data, and HDF5's
-// metadata may be written in part, in which case the next run reports a damaged file. Arbitrary
-// bytes in unmarked tiles do no harm: the next run overwrites them.
+// It need not survive a node that loses power. A flush ends with an fsync on every rank and a
+// barrier, so that data precedes its marks on disk as far as the file system honours fsync. But
+// between two flushes the system may write to disk in any order: if power fails during a
+// checkpoint, HDF5's metadata may be written in part, in which case the next run reports a damaged
+// file. Arbitrary bytes in unmarked tiles do no harm: the next run overwrites them.
 
 namespace trebsweep {
 
