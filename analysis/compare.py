@@ -49,7 +49,7 @@ def report(a, b, field):
     if (y != 0).any():
         relative = 100 * difference[y != 0] / y[y != 0]
         print(f"relative  median {np.median(relative):+.4g} % "
-              f"(of its size {np.median(np.abs(relative)):.4g} %), "
+              f"(absolute value {np.median(np.abs(relative)):.4g} %), "
               f"largest {np.abs(relative).max():.4g} %")
     worst = np.argmax(size)
     factor, unit = readable_unit(a.unit(field), max(abs(x[worst]), abs(y[worst])))

@@ -18,6 +18,7 @@ def import_pyplot():
 
     warnings.filterwarnings("ignore", "Glyph .* missing from current font")  # in an archive's name
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # PostScript lacks transparency
+    pyplot.rcParams["svg.hashsalt"] = "trebsweep"  # the same picture has the same bytes
     pyplot.rcParams["figure.constrained_layout.use"] = True
     pyplot.rcParams["axes.formatter.useoffset"] = False  # the offset would overlap titles
     return pyplot
@@ -55,8 +56,9 @@ def save(figure, path):
     """Writes a picture, enlarged to hold all labels, and prints its name."""
     try:
         with open(path, "wb") as file:
-            figure.savefig(file, format=picture_format(path), dpi=150, bbox_inches="tight",
-                           pad_inches=0.08)
+            form = picture_format(path)
+            figure.savefig(file, format=form, dpi=150, bbox_inches="tight", pad_inches=0.08,
+                           metadata={"Date": None} if form == "svg" else None)
     except OSError as error:
         fail(f"{path}: cannot be written: {error.strerror or error}")
     plt.close(figure)

@@ -90,10 +90,10 @@ def last_velocity(table):
     if len(times) < 2 or np.ptp(sling) <= 1e-6 * sling[-1]:
         return velocity
     # |velocity + rate direction| = speed has two solutions: take the one nearer to the last rows.
-    seen = np.gradient(sling[rows], times)[-1]
+    measured = np.gradient(sling[rows], times)[-1]
     along = velocity @ direction
     root = np.sqrt(max(along**2 - velocity @ velocity + end["speed"] ** 2, 0))
-    return velocity + min(-along - root, -along + root, key=lambda x: abs(x - seen)) * direction
+    return velocity + min(-along - root, -along + root, key=lambda x: abs(x - measured)) * direction
 
 
 def flight(table):

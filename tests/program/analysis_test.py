@@ -64,7 +64,7 @@ class ScriptTest(DirectoryTest):
             self.assertTrue((edge == 1).all(), name)
 
     def trace(self, *options, comments=(), job="jobs/accurate.cfg", name="table.txt", design=DESIGN):
-        """Writes the table of the optimum's swing below some comments; returns its path."""
+        """Writes the table of a swing, by default the optimum's, below some comments; returns its path."""
         done = subprocess.run([PROGRAM, "trace", f"{REPOSITORY}/{job}", *design, *options], check=True,
                               capture_output=True, text=True, timeout=120)
         rows = [line for line in done.stdout.splitlines() if not line.startswith("#")]
@@ -118,8 +118,11 @@ class Pictures(ScriptTest):
     def test_heatmaps_are_drawn_of_every_field_and_in_every_format(self):
         for field in FIELDS.split(", "):
             command = ["heatmap.py", self.path("loads.h5"), "--field", field]
-            with unittest.mock.patch("sys.argv", command), contextlib.redirect_stdout(io.StringIO()):
+            with unittest.mock.patch("sys.argv", command), \
+                    contextlib.redirect_stdout(io.StringIO()), \
+                    contextlib.redirect_stderr(io.StringIO()) as errors:
                 heatmap.main()
+            self.assertEqual(errors.getvalue(), "")
             self.assert_picture(f"loads-{field}.png")
             self.assert_nothing_is_cut(f"loads-{field}.png")
         for suffix in SIGNATURES:
@@ -238,7 +241,7 @@ class Pictures(ScriptTest):
         self.run_script("loads.py", "accurate.h5", "--count", "100", "--program", PROGRAM,
                         says="of 100 designs drawn")
 
-    def test_a_plateau_is_one_local_maximum_and_a_ledge_is_none(self):
+    def test_a_plateau_is_one_local_maximum_and_a_ledge_is_not(self):
         speed = np.zeros((9, 9, 9))
         speed[1, 1:4, 1:4] = 5
         speed[2, 3, 3] = 5  # touches a corner of the plateau

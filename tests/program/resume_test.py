@@ -279,7 +279,7 @@ class Stops(ResumeTest):
             runs = len(partial.attrs["history"].split("\n"))
         done = self.assert_sound()
         while not os.path.exists(self.path("job.h5")) and runs < 50:
-            launcher = self.launch(2, "--time-limit", f"{self.sweep_seconds[()] / 3:.2f}")
+            launcher = self.launch(2, "--time-limit", f"{self.sweep_seconds[()] / 2:.2f}")
             errors = self.finish(launcher, codes=(0, 75))
             runs += 1
             if launcher.returncode == 75:
