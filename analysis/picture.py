@@ -57,8 +57,9 @@ def save(figure, path):
     try:
         with open(path, "wb") as file:
             form = picture_format(path)
+            undated = {"metadata": {"Date": None}} if form == "svg" else {}
             figure.savefig(file, format=form, dpi=150, bbox_inches="tight", pad_inches=0.08,
-                           metadata={"Date": None} if form == "svg" else None)
+                           **undated)
     except OSError as error:
         fail(f"{path}: cannot be written: {error.strerror or error}")
     plt.close(figure)
@@ -66,7 +67,7 @@ def save(figure, path):
 
 
 def plain(text):
-    """Text without markup and unprintable characters."""
+    """Text with markup escaped and invalid characters replaced."""
     return text.encode("utf-8", "replace").decode().replace("$", r"\$")
 
 

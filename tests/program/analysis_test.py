@@ -71,7 +71,9 @@ class ScriptTest(DirectoryTest):
         return self.write(name, "\n".join([*comments, *rows, ""]).encode())
 
 
-class Pictures(ScriptTest):
+class PictureTest(ScriptTest):
+    """Tests with the archives paper.h5, accurate.h5, and loads.h5 with the map of every field."""
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -96,25 +98,8 @@ class Pictures(ScriptTest):
                         design[label.split()[-2]] = float(np.squeeze(value))
         return design
 
-    def test_an_assessment_is_drawn_with_maps(self):
-        maps = self.sweep("paper", "--output.fields", "speed, status, speed-error, stiffness",
-                          name="maps")
-        subprocess.run([PROGRAM, "assess", f"{JOBS}/paper.cfg",
-                        "--assess.scenes", f"{JOBS}/extreme/long_steps.cfg",
-                        "--assess.steppers", "euler, dopri5", "--assess.time-steps", "0.01, 0.005",
-                        "--assess.tolerances", "1e-5, 1e-7", "--assess.repeats", "1",
-                        "--output.file", self.path("assess.h5")],
-                       check=True, capture_output=True, timeout=120)
-        self.run_script("assess.py", "assess.h5", "--maps", maps)
-        for picture in ("precision", "order", "stability", "speed_error", "stiffness"):
-            self.assert_picture(f"assess-{picture}.png")
-            self.assert_nothing_is_cut(f"assess-{picture}.png")
-        self.run_script("assess.py", "assess.h5", "--format", "svg", "-o", "other")
-        self.assert_picture("other-precision.svg")
-        self.run_script("assess.py", "paper.h5", code=1, says="paper.h5: is not an assessment")
-        self.run_script("heatmap.py", "assess.h5", code=1,
-                        says="assess.h5: is not an archive of trebsweep")
 
+class Heatmaps(PictureTest):
     def test_heatmaps_are_drawn_of_every_field_and_in_every_format(self):
         for field in FIELDS.split(", "):
             command = ["heatmap.py", self.path("loads.h5"), "--field", field]
@@ -235,6 +220,8 @@ class Pictures(ScriptTest):
             values = self.figure(archive, field).axes[0].collections[0].get_array()
             self.assertLess(np.nanmax(values), 1000)
 
+
+class Reports(PictureTest):
     def test_loads_of_the_best_designs_are_drawn(self):
         self.run_script("loads.py", "accurate.h5", "--count", "1", "--program", PROGRAM)
         self.assert_picture("accurate-loads.png")
@@ -273,6 +260,25 @@ class Pictures(ScriptTest):
         self.assert_picture("paper-accurate.png")
         done = self.run_script("compare.py", "accurate.h5", "accurate.h5", "-o", "same.svg")
         self.assertIn("median 0, 95 % below 0, largest 0 m/s", done.stdout)
+
+    def test_an_assessment_is_drawn_with_maps(self):
+        maps = self.sweep("paper", "--output.fields", "speed, status, speed-error, stiffness",
+                          name="maps")
+        subprocess.run([PROGRAM, "assess", f"{JOBS}/paper.cfg",
+                        "--assess.scenes", f"{JOBS}/extreme/long_steps.cfg",
+                        "--assess.steppers", "euler, dopri5", "--assess.time-steps", "0.01, 0.005",
+                        "--assess.tolerances", "1e-5, 1e-7", "--assess.repeats", "1",
+                        "--output.file", self.path("assess.h5")],
+                       check=True, capture_output=True, timeout=120)
+        self.run_script("assess.py", "assess.h5", "--maps", maps)
+        for picture in ("precision", "order", "stability", "speed_error", "stiffness"):
+            self.assert_picture(f"assess-{picture}.png")
+            self.assert_nothing_is_cut(f"assess-{picture}.png")
+        self.run_script("assess.py", "assess.h5", "--format", "svg", "-o", "other")
+        self.assert_picture("other-precision.svg")
+        self.run_script("assess.py", "paper.h5", code=1, says="paper.h5: is not an assessment")
+        self.run_script("heatmap.py", "assess.h5", code=1,
+                        says="assess.h5: is not an archive of trebsweep")
 
     def test_archives_of_different_lattices_are_not_compared(self):
         self.sweep("accurate", "--lattice.r1", "0.6:0.7:0.1", name="narrow")
