@@ -1,4 +1,4 @@
-"""Reading archives of trebsweep: axes, maps, what is done of them, and the optimum."""
+"""Reads archives of trebsweep: axes, maps, which tiles are done, and the optimum."""
 
 import contextlib
 import os
@@ -10,12 +10,12 @@ import h5py
 import numpy as np
 
 AXES = ("r1", "r3", "r2")
-WHOLE = (slice(None),) * len(AXES)
+WHOLE_LATTICE = (slice(None),) * len(AXES)
 
 
 @contextlib.contextmanager
 def reading(path, what):
-    """Ends the program in one line where HDF5, or what it returns, is not as it should be."""
+    """Ends the program with one line if HDF5 fails or returns unexpected data."""
     try:
         yield
     except (OSError, KeyError, ValueError, TypeError, IndexError, RuntimeError, AttributeError,
@@ -24,16 +24,16 @@ def reading(path, what):
 
 
 def open_file(path):
-    """The HDF5 file at `path`; ends the program if there is none."""
+    """Opens the HDF5 file at `path` for reading; ends the program if there is none."""
     if not os.path.isfile(path):
-        fail(f"{path}: is a folder, not a file" if os.path.isdir(path) else f"{path}: no such file")
+        fail(f"{path}: {'is a directory, not a file' if os.path.isdir(path) else 'no such file'}")
     with reading(path, "cannot be opened as an HDF5 file"):
         return h5py.File(path, "r")
 
 
 @contextlib.contextmanager
 def limited_cpu_time(seconds=20):
-    """Ends the program where HDF5 loops over a damaged file; waiting for a disk does not count."""
+    """Ends the program if HDF5 loops on a damaged file; waiting for a disk does not count."""
     signal.setitimer(signal.ITIMER_PROF, seconds)
     yield
     signal.setitimer(signal.ITIMER_PROF, 0)
@@ -42,12 +42,12 @@ def limited_cpu_time(seconds=20):
 class Archive:
     """An archive opened for reading.
 
-    Its dataset tile_done alone says what is complete: cells of tiles that are not done read NaN
-    (maps of numbers) or 0 (maps of flags), whatever the file holds there.
+    Only the dataset tile_done decides what is complete: cells of tiles that are not done read as
+    NaN (maps of numbers) or 0 (maps of flags), whatever the file holds there.
     """
 
     def __init__(self, path):
-        """Opens the HDF5 file at `path`; ends the program with a message if it is no archive."""
+        """Opens the archive at `path`; ends the program with a message if it is not one."""
         self.path = path
         with limited_cpu_time():
             self.file = open_file(path)
@@ -75,19 +75,19 @@ class Archive:
         values = self.file[name][...]
         if values.ndim != 1 or not values.size or not np.isfinite(values).all() or (
                 np.diff(values) <= 0).any():
-            raise ValueError(f"{name} is no axis")
+            raise ValueError(f"{name} is not an axis of increasing values")
         return values
 
     def _blank_tiles(self):
-        """Whether each tile of the lattice's box (r1, r3, r2) holds designs that are not done."""
+        """Whether each tile holds designs that are not done, as an array (r1, r3, r2) of bool."""
         if min(self.edge) < 1 or self.done.ndim != 1 or not self.done.size:
-            raise ValueError("tile_done has impossible tiles")
+            raise ValueError("tile_done has invalid tiles")
         tiles = [range(0, n, edge) for n, edge in zip(self.shape, self.edge)]
         blank = np.zeros([len(firsts) for firsts in tiles], bool)
         if self.complete:
             return blank
-        # Tiles are numbered along r2, then r3, then r1. Rows of designs never grow with r3: a tile
-        # holds a design if its lowest corner does.
+        # Tiles are numbered along r2, then r3, then r1. Rows never become longer with r3,
+        # so a tile holds a design if its lowest corner does.
         row = self._row_lengths()[tiles[1]]
         holds = np.broadcast_to(row[:, np.newaxis] > np.array(tiles[2]), blank.shape)
         if np.count_nonzero(holds) != self.done.size:
@@ -97,13 +97,13 @@ class Archive:
         return blank
 
     def _row_lengths(self):
-        """For each r3, how many values of r2 belong to the lattice: those with r2 < h0 - r3, unless
+        """The number of values of r2 in the lattice for each r3: those with r2 < h0 - r3, unless
         the job gives r2."""
         if ("lattice", "r2") in self.job:
             return np.full(self.shape[1], self.shape[2])
         r2 = self.axes["r2"]
         longest = float(self.job["scene", "fulcrum-height"]) - self.axes["r3"]
-        return np.searchsorted(r2, longest - 1e-6 * r2[0])  # the program's tolerance, in steps
+        return np.searchsorted(r2, longest - 1e-6 * r2[0])  # the tolerance of the program, in steps
 
     @property
     def complete(self):
@@ -111,7 +111,7 @@ class Archive:
         return bool(self.done.all())
 
     def progress(self):
-        """How much of an unfinished archive is done, as text."""
+        """The progress of an unfinished archive, as text."""
         return f"unfinished: {self.done.sum()} of {self.done.size} tiles done"
 
     @property
@@ -120,7 +120,7 @@ class Archive:
         return [name for name in AXES if len(self.axes[name]) > 1]
 
     def field(self, name):
-        """The dataset's name of a field; ends the program if the archive has no such map."""
+        """The name of a field's dataset; ends the program if the archive has no such map."""
         dataset = name.replace("-", "_")
         if dataset not in self.fields:
             maps = ", ".join(self.fields)
@@ -128,11 +128,11 @@ class Archive:
         return dataset
 
     def is_number(self, field):
-        """Whether a map holds numbers; else it holds flags."""
+        """Whether a map holds numbers rather than flags."""
         return self.file[field].dtype.kind == "f"
 
-    def read(self, field, where=WHOLE):
-        """The values of a map at `where`, an index or a slice per axis; blank where not done."""
+    def read(self, field, where=WHOLE_LATTICE):
+        """The values of a map at `where`, an index or a slice per axis; NaN or 0 where not done."""
         with reading(self.path, f"cannot read map {field}"):
             values = self.file[field][where]
         tiles = np.ix_(*(np.atleast_1d(np.arange(n)[w]) // edge
@@ -142,9 +142,9 @@ class Archive:
                         values)
 
     def optimum(self):
-        """({axis: value in m}, m/s) of the fastest design so far, or None if there is none.
+        """({axis: value in m}, m/s) of the fastest design in the tiles that are done, or None.
 
-        It is that of the tiles that are done: the root attributes have it only after the last one.
+        It comes from the tally of the tiles: the root attributes hold it only after the last tile.
         """
         with reading(self.path, "is damaged"):
             tally = self.file["tile_tally"]
@@ -153,15 +153,15 @@ class Archive:
             speeds, cells = rows["best_speed"], rows["best_cell"]
             if not (speeds >= 0).any():
                 return None
-            cell = int(cells[speeds == speeds.max()].min())  # of equals the first, like the program
+            cell = int(cells[speeds == speeds.max()].min())  # the first of equals
             return self.design(np.unravel_index(cell, self.shape)), float(speeds.max())
 
-    def design(self, place):
-        """{axis: value in m} of a place in the lattice."""
-        return {name: float(self.axes[name][i]) for name, i in zip(AXES, place)}
+    def design(self, index):
+        """{axis: value in m} of the design with an index (i1, i3, i2)."""
+        return {name: float(self.axes[name][i]) for name, i in zip(AXES, index)}
 
     def index(self, axis, value):
-        """The place of the axis's value nearest to `value`; ends the program outside the axis."""
+        """The index of the axis's value nearest to `value`; ends the program outside the axis."""
         values = self.axes[axis]
         limits = edges(values)
         if not limits[0] <= value <= limits[-1]:
@@ -170,16 +170,17 @@ class Archive:
         return int(np.argmin(np.abs(values - value)))
 
     def extreme(self, field, largest):
-        """({axis: value in m}, value) of the largest or the least value of a map, or None."""
+        """({axis: value in m}, value) of the largest or smallest value of a map, or None."""
         best, sign = None, 1 if largest else -1
-        for first in range(0, self.shape[0], self.edge[0]):  # whole archives may not fit in memory
-            values = sign * self.read(field, (slice(first, first + self.edge[0]), *WHOLE[1:]))
+        for first in range(0, self.shape[0], self.edge[0]):  # a whole map may not fit in memory
+            slab = (slice(first, first + self.edge[0]), *WHOLE_LATTICE[1:])
+            values = sign * self.read(field, slab)
             if not np.isfinite(values).any():
                 continue
-            place = np.unravel_index(np.argmax(np.where(np.isfinite(values), values, -np.inf)),
+            index = np.unravel_index(np.argmax(np.where(np.isfinite(values), values, -np.inf)),
                                      values.shape)
-            if best is None or values[place] > best[1]:
-                best = ((first + place[0], *place[1:]), float(values[place]))
+            if best is None or values[index] > best[1]:
+                best = ((first + index[0], *index[1:]), float(values[index]))
         return best and (self.design(best[0]), sign * best[1])
 
     def best_text(self):
@@ -191,7 +192,7 @@ class Archive:
         return f"{speed:.8f} m/s at {design_text(design)}"
 
     def name(self):
-        """The file's name without folder and suffix."""
+        """The file's name without directory and suffix."""
         return os.path.basename(stem(self.path))
 
     def attribute(self, dataset, name, default=""):
@@ -200,23 +201,23 @@ class Archive:
             return str(self.file[dataset].attrs.get(name, default))
 
     def unit(self, field):
-        """The unit of a map or an axis as people write it, "" if it has none."""
+        """The unit of a map or an axis in common notation, "" if it has none."""
         return unit_text(self.attribute(field, "units"))
 
     def long_name(self, field):
-        """What a map or an axis is."""
+        """The description of a map or an axis."""
         return self.attribute(field, "long_name", field.replace("_", " "))
 
     def meanings(self, field):
-        """What the flags 0, 1, ... of a map mean."""
+        """The meanings of the flags 0, 1, ... of a map."""
         words = self.attribute(field, "flag_meanings").split()
         if len(words) < 2:
-            fail(f"{self.path}: is damaged: map {field} does not say what its flags mean")
+            fail(f"{self.path}: is damaged: map {field} lacks the meanings of its flags")
         return [word.replace("_", " ") for word in words]
 
 
 def parse_job(text):
-    """A job's text as {(section, key): value}."""
+    """Parses the text of a job file into {(section, key): value}."""
     values, section = {}, ""
     for line in text.splitlines():
         if line.startswith("["):
@@ -228,17 +229,17 @@ def parse_job(text):
 
 
 def design_text(design):
-    """A design, {axis: value in m}, as people write it."""
+    """A design, {axis: value in m}, as text."""
     return ", ".join(f"{name} = {design[name]:g}" for name in ("r1", "r2", "r3")) + " m"
 
 
 def unit_text(unit):
-    """A UDUNITS string as people write it: "m s-1" -> "m/s", "s-1" -> "1/s", "1" -> ""."""
+    """A UDUNITS string in common notation: "m s-1" -> "m/s", "s-1" -> "1/s", "1" -> ""."""
     return {"s-1": "1/s", "1": ""}.get(unit, unit.replace(" s-1", "/s"))
 
 
 def edges(values):
-    """The boundaries of cells around values that increase."""
+    """The boundaries of cells around increasing values."""
     if len(values) == 1:
         half = 0.01 * abs(values[0]) or 0.01
         return np.array([values[0] - half, values[0] + half])
@@ -247,5 +248,5 @@ def edges(values):
 
 
 def stem(path):
-    """A file's path without suffix, and without .partial."""
+    """The path of a file without .partial and its suffix."""
     return os.path.splitext(path.removesuffix(".partial"))[0]

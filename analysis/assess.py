@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Draws an assessment: error against run time, error against steps, the largest stable step.
 
-The pictures are STEM-precision, STEM-order and STEM-stability. With --maps ARCHIVE, of a sweep with
-the fields speed-error and stiffness, also STEM-speed_error and STEM-stiffness: where in the design
-space the sweep's solver is wrong, and where the scene is stiff.
+The pictures are STEM-precision, STEM-order and STEM-stability. --maps ARCHIVE, the archive of a
+sweep with the fields speed-error and stiffness, adds STEM-speed_error and STEM-stiffness: maps of
+the error of the sweep's solver and of the stiffness over the design space.
 
   assess.py assess.h5                                  -> assess-precision.png, ...
   trebsweep sweep jobs/paper.cfg --output.fields "speed, status, speed-error, stiffness"
@@ -14,10 +14,9 @@ from program import Parser, fail, note, refuse, run  # before modules that may b
 
 import h5py
 import numpy as np
-from matplotlib.colors import LogNorm, SymLogNorm
 
 from archive import Archive, limited_cpu_time, open_file, reading, stem
-from maps import draw, finite_values, middle, parts, scaled, views
+from maps import draw, finite_values, middle, scaled, slices, views
 from picture import FORMATS, labelled, plt, save
 
 STEPPERS = ("euler", "modified_midpoint", "rk4", "cash_karp54", "dopri5", "fehlberg78",
@@ -29,7 +28,7 @@ class Assessment:
     """The tables of an assessment, {table: {column: values}}."""
 
     def __init__(self, path):
-        """Reads the file at `path`; ends the program with a message if it is no assessment."""
+        """Reads the file at `path`; ends the program with a message if it is not an assessment."""
         with limited_cpu_time(), open_file(path) as file, reading(path, "is damaged"):
             self.tables = {name: {column: self.values(data) for column, data in group.items()}
                            for name, group in file.items() if isinstance(group, h5py.Group)}
@@ -38,29 +37,29 @@ class Assessment:
 
     @staticmethod
     def values(data):
-        """A column's numbers, or its texts as str."""
+        """The values of a column: numbers or str."""
         return data.asstr()[...] if data.dtype.kind == "O" else data[...]
 
     def scenes(self):
-        """Names of the scenes with a ladder of settings, in their order."""
+        """Names of the scenes with a series of step sizes or tolerances, in file order."""
         return list(dict.fromkeys(self.tables["accuracy"]["scene"]))
 
     def steppers(self):
-        """{name: number} of the steppers, those known here first: they look the same everywhere.
+        """{name: number} of the steppers; those in STEPPERS always have the same number.
 
         Variants of a stepper, such as "euler, window", are not drawn."""
         found = [name for name in self.tables["accuracy"]["stepper"] if "," not in name]
         names = dict.fromkeys([*STEPPERS, *found])
         return {name: i for i, name in enumerate(names) if name in found}
 
-    def ladder(self, scene, stepper):
-        """The rows of a stepper in a scene, {column: values}."""
+    def measurements(self, scene, stepper):
+        """{column: values} of a stepper in a scene, a row for each step size or tolerance."""
         table = self.tables["accuracy"]
         chosen = (table["scene"] == scene) & (table["stepper"] == stepper)
         return {name: values[chosen] for name, values in table.items()}
 
-    def floor(self, scene):
-        """Bound of the reference's own error, m/s."""
+    def reference_error(self, scene):
+        """Bound on the error of the reference itself, m/s."""
         table = self.tables["reference"]
         return float(table["speed_bound"][table["scene"] == scene][0])
 
@@ -82,19 +81,19 @@ def panels(scenes):
     return figure, list(axes.flat)
 
 
-def draw_ladders(assessment, abscissa, label, title):
-    """Largest errors against a column, a panel for each scene and a line for each stepper."""
+def draw_errors(assessment, abscissa, label, title):
+    """Largest error against a column: a panel for each scene, a line for each stepper."""
     scenes = assessment.scenes()
     figure, axes = panels(scenes)
     for panel, scene in zip(axes, scenes):
         for stepper, number in assessment.steppers().items():
-            rows = assessment.ladder(scene, stepper)
+            rows = assessment.measurements(scene, stepper)
             good = np.isfinite(rows["error_largest"]) & (rows["different"] == 0)
             good &= rows["error_largest"] < 10
             if good.any():
                 panel.plot(rows[abscissa][good], rows["error_largest"][good],
                            **style(stepper, number))
-        floor = assessment.floor(scene)
+        floor = assessment.reference_error(scene)
         if np.isfinite(floor):
             panel.axhline(floor, color="0.4", linestyle=":", linewidth=1)
             panel.text(0.99, floor, "reference", color="0.4", fontsize=8, ha="right", va="bottom",
@@ -107,7 +106,7 @@ def draw_ladders(assessment, abscissa, label, title):
         panel.grid(True, color="0.9")
     lines = {line.get_label(): line for panel in axes for line in panel.get_lines()
              if line.get_label() in assessment.steppers()}
-    # Above the panels, where the title leaves it room.
+    # The legend goes above the panels, in empty lines of the title.
     columns = max(1, min(len(lines), 3 * len(scenes)))
     figure.suptitle(title + "\n" * (1 - -len(lines) // columns))
     figure.legend(lines.values(), lines.keys(), loc="upper center", fontsize=9, frameon=False,
@@ -116,15 +115,15 @@ def draw_ladders(assessment, abscissa, label, title):
 
 
 def draw_stability(assessment):
-    """The largest stable step of each explicit stepper, predicted and seen, over the scenes."""
+    """The largest stable step of each explicit stepper in each scene, predicted and measured."""
     table = assessment.tables["stability"]
     scenes = list(dict.fromkeys(table["scene"]))
     figure, panel = plt.subplots(figsize=(10, 5.5))
     numbers = assessment.steppers()
     explicit = [s for s in numbers if s in table["stepper"] and s != "rosenbrock4"]
-    for place, stepper in enumerate(explicit):
+    for column, stepper in enumerate(explicit):
         rows = table["stepper"] == stepper
-        offset = 0.12 * (place - (len(explicit) - 1) / 2)
+        offset = 0.12 * (column - (len(explicit) - 1) / 2)
         x = np.array([scenes.index(s) for s in table["scene"][rows]]) + offset
         kind = style(stepper, numbers[stepper])
         panel.plot(x, table["stable_step"][rows], linestyle="none", color=kind["color"],
@@ -136,31 +135,33 @@ def draw_stability(assessment):
     panel.set_xlim(-0.5, len(scenes) - 0.5)
     panel.set_xticks(range(len(scenes)),
                      [f"{s.replace('_', ' ')}\n{k:.3g} /s" for s, k in zip(scenes, stiffness)])
-    panel.set_xlabel("scene, and the largest modulus of its eigenvalues")
-    panel.set_ylabel("length of a step (s)")
-    panel.set_title("Largest stable step by the eigenvalues (filled), and largest step seen with an "
-                    "error below 10 % (open)")
+    panel.set_xlabel("scene, with the largest modulus of its eigenvalues")
+    panel.set_ylabel("step size (s)")
+    panel.set_title("Largest stable step by the eigenvalues (filled), and largest step with a "
+                    "measured error below 10 % (open)")
     panel.grid(True, axis="y", color="0.9")
     panel.legend(fontsize=9)
     return figure
 
 
 def colours(values):
-    """Colours for values: of both signs, over several decades, or neither."""
+    """Colour map and norm for values of both signs, over several decades, or neither."""
+    norms = plt.matplotlib.colors
     largest = np.abs(values).max() if values.size and values.any() else 1
     if values.size and values.min() < 0:
-        return {"norm": SymLogNorm(largest / 1e3, vmin=-largest, vmax=largest), "cmap": "RdBu_r"}
+        norm = norms.SymLogNorm(largest / 1e3, vmin=-largest, vmax=largest)
+        return {"norm": norm, "cmap": "RdBu_r"}
     if values.size and values.min() < largest / 30:
         smallest = max(values.min(), largest / 1e6)
-        return {"norm": LogNorm(smallest, largest), "cmap": "viridis"}
+        return {"norm": norms.LogNorm(smallest, largest), "cmap": "viridis"}
     return {"vmin": values.min() if values.size else 0, "vmax": largest, "cmap": "viridis"}
 
 
 def draw_map(archive, field):
-    """A map in the views through the optimum."""
+    """The figure of a map in the planes through the optimum."""
     optimum = archive.optimum()
     centre = optimum[0] if optimum else middle(archive)
-    values, unit = scaled(archive, field, parts(archive, field, centre))
+    values, unit = scaled(archive, field, slices(archive, field, centre))
     title = labelled(archive.long_name(field), unit)
     if not archive.complete:
         title += f"; {archive.progress()}"
@@ -169,7 +170,7 @@ def draw_map(archive, field):
 
 
 def draw_maps(path, picture_stem, form):
-    """Writes the maps of an archive that say where its solver is wrong, and where it is stiff."""
+    """Writes the maps of an archive's speed error and stiffness, those that it has."""
     archive = Archive(path)
     fields = [name for name in ("speed_error", "stiffness") if name in archive.fields]
     if not fields:
@@ -183,11 +184,12 @@ def draw_maps(path, picture_stem, form):
 
 def main():
     parser = Parser(__doc__)
-    parser.add_argument("assessment", metavar="ASSESSMENT", help="file of trebsweep assess")
+    parser.add_argument("assessment", metavar="ASSESSMENT",
+                        help="file written by 'trebsweep assess'")
     parser.add_argument("--maps", metavar="ARCHIVE",
-                        help="of a sweep with speed-error, stiffness or both")
+                        help="archive of a sweep with the field speed-error, stiffness or both")
     parser.add_argument("-o", "--output", metavar="STEM",
-                        help="what the pictures' names begin with (default: the assessment's name)")
+                        help="beginning of the pictures' names (default: the assessment's name)")
     parser.add_argument("--format", default="png", help=f"{', '.join(FORMATS)} (default: png)")
     arguments = parser.parse_args()
 
@@ -197,9 +199,9 @@ def main():
     assessment = Assessment(arguments.assessment)
     name = arguments.output or stem(arguments.assessment)
     with reading(arguments.assessment, "is damaged"):
-        save(draw_ladders(assessment, "seconds", "run time per design (s)",
+        save(draw_errors(assessment, "seconds", "run time per design (s)",
                           "Error against run time"), f"{name}-precision.{form}")
-        save(draw_ladders(assessment, "evaluations", "right-hand sides per design",
+        save(draw_errors(assessment, "evaluations", "right-hand sides per design",
                           "Order of convergence: error against right-hand sides"),
              f"{name}-order.{form}")
         if assessment.tables.get("stability"):

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Compares a map of two archives of the same lattice: A - B, in numbers and as a picture.
 
-The numbers go to stdout: the optimum of each, how many designs have a value in both, and the
-median, 95 % and largest difference. The picture has the planes through B's fastest design, which a
-star marks. Designs that one of the archives has no value for, or has not done yet, are left blank.
+The numbers go to stdout: the optimum of each archive, the number of designs with a value in both,
+and the median, 95th percentile and maximum of the difference. The picture shows the planes through
+B's fastest design, marked by a star. Designs without a value in one of the archives are left blank.
 
-For example the paper's Euler sweep against an accurate one:
+To compare the paper's Euler sweep with an accurate one:
 
   compare.py paper.h5 accurate.h5                      -> paper-accurate.png
 """
@@ -15,7 +15,7 @@ from program import Parser, fail, note, refuse, run  # before modules that may b
 import numpy as np
 
 from archive import AXES, Archive, design_text, stem
-from maps import draw, finite_values, middle, parts, scaled, views
+from maps import draw, finite_values, middle, scaled, slices, views
 from picture import OUTPUT_HELP, check_output, labelled, readable_unit, save
 
 
@@ -29,7 +29,7 @@ def check_lattices(a, b):
 
 
 def report(a, b, field):
-    """Prints the difference of the archives in numbers."""
+    """Prints statistics of the difference."""
     x, y = (archive.read(field).astype(float) for archive in (a, b))
     both = np.isfinite(x) & np.isfinite(y)
     only = int((np.isfinite(x) != np.isfinite(y)).sum())
@@ -38,7 +38,7 @@ def report(a, b, field):
     print(f"designs   {int(both.sum())} with a {field} in both, {only} in one of them only")
     if not both.any():
         return
-    places = np.argwhere(both)
+    indices = np.argwhere(both)
     x, y = x[both], y[both]
     difference = x - y
     size = np.abs(difference)
@@ -49,24 +49,25 @@ def report(a, b, field):
     if (y != 0).any():
         relative = 100 * difference[y != 0] / y[y != 0]
         print(f"relative  median {np.median(relative):+.4g} % "
-              f"(of its size {np.median(np.abs(relative)):.4g} %), "
+              f"(absolute value {np.median(np.abs(relative)):.4g} %), "
               f"largest {np.abs(relative).max():.4g} %")
     worst = np.argmax(size)
     factor, unit = readable_unit(a.unit(field), max(abs(x[worst]), abs(y[worst])))
-    print(f"largest   at {design_text(a.design(places[worst]))}: {factor * x[worst]:.12g} against "
+    print(f"largest   at {design_text(a.design(indices[worst]))}: {factor * x[worst]:.12g} against "
           f"{factor * y[worst]:.12g} {unit}".rstrip())
 
 
 def picture(a, b, field):
-    """The figure of A - B through the optimum of B."""
+    """The figure of A - B in the planes through the optimum of B."""
     optimum = b.optimum()
     centre = optimum[0] if optimum else middle(b)
-    values = [x.astype(float) - y for x, y in zip(parts(a, field, centre), parts(b, field, centre))]
+    values = [x.astype(float) - y
+              for x, y in zip(slices(a, field, centre), slices(b, field, centre))]
     values, unit = scaled(a, field, values)
     finite = finite_values(values)
     limit = np.abs(finite).max() if finite.size and finite.any() else 1
     title = f"difference \u201c{a.name()}\u201d \u2212 \u201c{b.name()}\u201d, " + (
-        f"\u2605 fastest of \u201c{b.name()}\u201d" if optimum else "through the lattice's middle")
+        f"\u2605 fastest of \u201c{b.name()}\u201d" if optimum else "middle of the lattice")
     title += "".join(f"\n\u201c{archive.name()}\u201d {archive.progress()}" for archive in (a, b)
                      if not archive.complete)
     return draw(a, values, centre, title, labelled(f"difference of the {a.long_name(field)}", unit),
@@ -77,11 +78,11 @@ def picture(a, b, field):
 def main():
     parser = Parser(__doc__)
     parser.add_argument("a", metavar="A", help="archive")
-    parser.add_argument("b", metavar="B", help="archive to compare it with")
+    parser.add_argument("b", metavar="B", help="archive to compare with")
     parser.add_argument("--field", default="speed",
                         help="the map of numbers to compare (default: speed)")
     parser.add_argument("-o", "--output", metavar="PICTURE",
-                        help=OUTPUT_HELP + "default: A-B.png in the folder of A")
+                        help=OUTPUT_HELP + "default: A-B.png in the directory of A")
     arguments = parser.parse_args()
 
     output = arguments.output or f"{stem(arguments.a)}-{stem(arguments.b).rsplit('/', 1)[-1]}.png"
@@ -92,7 +93,7 @@ def main():
     b.field(arguments.field)
     if not (a.is_number(field) and b.is_number(field)):
         numbers = ", ".join(name for name in a.fields if a.is_number(name))
-        refuse("field", arguments.field, f"holds flags; must be a map of numbers, as {numbers}")
+        refuse("field", arguments.field, f"holds flags; must be a map of numbers: {numbers}")
     report(a, b, field)
     if views(a):
         save(picture(a, b, field), output)

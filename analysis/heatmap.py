@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Draws a map of an archive.
 
-A sweep over three axes is drawn as the three planes through the design that is best in the
-quantity drawn, which a star marks: the fastest, the one with the least peak load, and so on; the
-title names it. In maps of flags, angles, rates and errors the star marks the fastest design.
---r1, --r3 and --r2 choose other planes. A sweep over two axes is one plane, over one axis a line.
+A sweep over three axes is drawn as the three planes through the best design in the quantity drawn,
+such as the fastest, or the one with the smallest peak load. A star marks this design, and the title
+names it. In maps of flags, angles, rates and errors the star marks the fastest design. --r1, --r3
+and --r2 choose other planes. A sweep over two axes is drawn as one plane, over one axis as a line.
 A single design is printed as a table, and no picture is written.
 
-What is outside the lattice stays blank, and what an unfinished sweep has not done yet.
+Cells outside the lattice are left blank, and so are designs that an unfinished sweep has not done.
 
   heatmap.py accurate.h5                               speed -> accurate-speed.png
   heatmap.py accurate.h5 --field status --r1 0.7
@@ -17,26 +17,26 @@ What is outside the lattice stays blank, and what an unfinished sweep has not do
 from program import Parser, note, run  # before modules that may be missing
 
 from archive import AXES, Archive, design_text, stem
-from maps import draw, finite_values, flag_colours, middle, parts, scaled, shows, views
+from maps import draw, finite_values, flag_colours, middle, scaled, shows, slices, views
 from picture import OUTPUT_HELP, check_output, labelled, readable_unit, save
 
 FIXED_STEPPERS = ("euler", "modified_midpoint", "rk4", "adams_bashforth_moulton")
 
-# Where the best is the largest value, or the least; elsewhere the star marks the fastest design.
+# Fields whose best value is the largest or the smallest; in others the star marks the fastest.
 LARGEST = ("kinetic_energy", "efficiency", "range", "least_sling_tension")
-LEAST = ("release_time", "steps", "stiffness", "peak_sling_tension", "peak_axle_load",
+SMALLEST = ("release_time", "steps", "stiffness", "peak_sling_tension", "peak_axle_load",
          "peak_beam_stress")
 
 
 def best(archive, field):
-    """The best design of a map, {axis: m} or None, and text that says what it is."""
+    """The best design of a map, {axis: m} or None, and its description."""
     so_far = "" if archive.complete else " so far"
-    if field not in LARGEST + LEAST:
+    if field not in LARGEST + SMALLEST:
         taut = archive.job.get(("output", "optimum")) == "taut"
         optimum = archive.optimum()
         word = "fastest with a taut sling" if taut else "fastest"
         return optimum and optimum[0], f"{word}{so_far}: {archive.best_text()}"
-    word = ("largest" if field in LARGEST else "least") + so_far
+    word = ("largest" if field in LARGEST else "smallest") + so_far
     found = archive.extreme(field, field in LARGEST)
     if found is None:
         return None, f"{word}: none"
@@ -47,7 +47,7 @@ def best(archive, field):
 
 
 def title(archive, field):
-    """What is drawn and how it was computed."""
+    """The title: the archive, the field and the solver."""
     text = f"{archive.name()}: {archive.long_name(field)}"
     stepper = archive.job.get(("solver", "stepper"))
     if stepper:
@@ -59,10 +59,10 @@ def title(archive, field):
 
 
 def picture(archive, field, chosen):
-    """The figure of a map, through its best design, except where `chosen` ({axis: m}) sets a value."""
+    """The figure of a map through its best design; `chosen` ({axis: m}) selects other planes."""
     star, star_text = best(archive, field)
     centre = {**(star or middle(archive)), **chosen}
-    values = parts(archive, field, centre)
+    values = slices(archive, field, centre)
     if archive.is_number(field):
         values, unit = scaled(archive, field, values)
         finite = finite_values(values)
@@ -79,7 +79,7 @@ def picture(archive, field, chosen):
 
 
 def print_design(archive, fields):
-    """Prints what a lattice of one design holds."""
+    """Prints the values of a lattice with one design."""
     rows = [(name, f"{archive.axes[name][0]:g}", "m") for name in AXES]
     for field in fields:
         value = archive.read(field).item()
@@ -92,9 +92,10 @@ def print_design(archive, fields):
 
 def main():
     parser = Parser(__doc__)
-    parser.add_argument("archive", metavar="ARCHIVE", help="of a sweep, finished or not")
-    parser.add_argument("--field", help="the map to draw (default: speed if there is one, or else "
-                        "the first); `trebsweep sweep --help` lists the fields")
+    parser.add_argument("archive", metavar="ARCHIVE",
+                        help="archive of a sweep, complete or partial")
+    parser.add_argument("--field", help="the map to draw (default: speed, or the first map if "
+                        "there is none); `trebsweep sweep --help` lists the fields")
     for axis in AXES:
         parser.add_argument(f"--{axis}", type=float, metavar="M",
                             help=f"draw the plane at this {axis} in m (default: the best design's)")

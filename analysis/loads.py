@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Draws the loads of the best designs of an archive along their swings.
+"""Draws the loads on the best designs of an archive during their swings.
 
-The designs are local maxima of the speed, fastest first: no neighbour in the lattice is faster, and
-of neighbours that are equally fast the first is taken. Each is traced with the archive's own job.
+The designs are the local maxima of the speed in the lattice, the fastest first; of several equally
+fast neighbours the first counts. Each is traced with the job stored in the archive.
 
   loads.py accurate.h5                                 -> accurate-loads.png
   loads.py accurate.h5 --count 1 -o loads.svg
@@ -24,20 +24,20 @@ from trajectory import read_table
 HERE = os.path.dirname(os.path.abspath(__file__))
 PROGRAMS = (os.path.join(HERE, "..", "build", "release", "trebsweep"),  # built here
             os.path.join(HERE, "..", "..", "..", "bin", "trebsweep"))   # installed
-PANELS = (("tension", "pull of the sling on the projectile", "N"),
-          ("tip_tension", "pull of the sling on the arm's tip", "N"),
+PANELS = (("tension", "sling tension at the projectile", "N"),
+          ("tip_tension", "sling tension at the arm's tip", "N"),
           ("axle", "force on the axle", "N"),
           ("stress", "bending stress at the fulcrum", "Pa"))
 
 
 def plateau(speed, start):
-    """The places connected to `start` by neighbours that are as fast."""
+    """The indices connected to `start` through equally fast neighbours."""
     found, front = {start}, [start]
     while front:
-        place = front.pop()
-        around = tuple(slice(max(i - 1, 0), i + 2) for i in place)
+        index = front.pop()
+        around = tuple(slice(max(i - 1, 0), i + 2) for i in index)
         first = tuple(part.start for part in around)
-        for offset in np.argwhere(speed[around] == speed[place]):
+        for offset in np.argwhere(speed[around] == speed[index]):
             neighbour = tuple(int(i) for i in first + offset)
             if neighbour not in found:
                 found.add(neighbour)
@@ -46,7 +46,7 @@ def plateau(speed, start):
 
 
 def local_maxima(speed, count):
-    """The places of up to `count` local maxima of a map, fastest first; of a plateau its first."""
+    """The indices of up to `count` local maxima of a map, fastest first; of a plateau its first."""
     speed = np.nan_to_num(speed, nan=-1.0)
     padded = np.pad(speed, 1, constant_values=-1.0)
     highest = np.full(speed.shape, -1.0)
@@ -54,30 +54,30 @@ def local_maxima(speed, count):
         window = tuple(slice(s, s + n) for s, n in zip(shift, speed.shape))
         highest = np.maximum(highest, padded[window])
     is_peak = (speed == highest) & (speed > 0)
-    peaks = [tuple(int(i) for i in place) for place in np.argwhere(is_peak)]
+    peaks = [tuple(int(i) for i in index) for index in np.argwhere(is_peak)]
     maxima, seen = [], set()
-    for place in sorted(peaks, key=lambda place: -speed[place]):
-        if place in seen:
+    for index in sorted(peaks, key=lambda index: -speed[index]):
+        if index in seen:
             continue
-        level = plateau(speed, place)
+        level = plateau(speed, index)
         seen |= level
-        if all(is_peak[neighbour] for neighbour in level):  # else it is a ledge
-            maxima.append(place)
+        if all(is_peak[neighbour] for neighbour in level):  # otherwise it is a ledge
+            maxima.append(index)
             if len(maxima) == count:
                 break
     return maxima
 
 
 def find_program():
-    """The program that belongs to this script, or else the one in PATH."""
+    """The program built or installed with this script, else the one in PATH, else None."""
     found = [path for path in PROGRAMS if os.access(path, os.X_OK)]
     return os.path.normpath(found[0]) if found else shutil.which("trebsweep")
 
 
 def trace(archive, design, program, *options):
-    """The table of a design's swing; ends the program if it cannot be traced."""
-    with tempfile.TemporaryDirectory() as folder:
-        job, table = os.path.join(folder, "job.cfg"), os.path.join(folder, "swing.txt")
+    """Traces a design: {column: values}; ends the program on failure."""
+    with tempfile.TemporaryDirectory() as directory:
+        job, table = os.path.join(directory, "job.cfg"), os.path.join(directory, "swing.txt")
         with open(job, "w", encoding="utf-8") as file:
             file.write(archive.attributes["job"])
         lengths = [text for name, value in design.items() for text in (f"--{name}", repr(value))]
@@ -86,7 +86,7 @@ def trace(archive, design, program, *options):
                 done = subprocess.run([program, "trace", job, *lengths, *options],
                                       stdout=file, stderr=subprocess.PIPE, text=True, check=False)
         except OSError as error:
-            fail(f"{program}: cannot be run: {error.strerror}")
+            fail(f"{program}: cannot be started: {error.strerror}")
         if done.returncode != 0:
             fail(f"{program}: cannot trace a design of {archive.path}: "
                  f"{done.stderr or f'exit code {done.returncode}'}")
@@ -94,13 +94,13 @@ def trace(archive, design, program, *options):
 
 
 def fine_trace(archive, design, program):
-    """The same with 500 rows, which show the peaks of a machine of any size."""
+    """The same with 500 rows, which resolve the peaks for a machine of any size."""
     seconds = trace(archive, design, program)["t"][-1]
     return trace(archive, design, program, "--interval", repr(float(seconds / 500)))
 
 
 def draw(archive, designs, program):
-    """The figure, a panel for each load."""
+    """The figure, with a panel for each load."""
     figure, panels = plt.subplots(2, 2, figsize=(13, 8), sharex=True)
     swings = [fine_trace(archive, design, program) for design in designs]
     for axes, (column, text, unit) in zip(panels.flat, PANELS):
@@ -120,11 +120,12 @@ def draw(archive, designs, program):
 
 def main():
     parser = Parser(__doc__)
-    parser.add_argument("archive", metavar="ARCHIVE", help="of a sweep with a map of the speed")
+    parser.add_argument("archive", metavar="ARCHIVE",
+                        help="archive of a sweep with a map of the speed")
     parser.add_argument("--count", type=int, default=3,
-                        help="designs to draw, at most; at least 1 (default: 3)")
-    parser.add_argument("--program", help="trebsweep (default: the one built or installed with "
-                        "this script, or else the one in PATH)")
+                        help="maximum number of designs to draw, at least 1 (default: 3)")
+    parser.add_argument("--program", help="path of trebsweep (default: the one built or "
+                        "installed with this script, otherwise the one in PATH)")
     parser.add_argument("-o", "--output", metavar="PICTURE",
                         help=OUTPUT_HELP + "default: the archive's name with -loads.png")
     arguments = parser.parse_args()
@@ -138,10 +139,10 @@ def main():
         fail(f"{arguments.archive}: has no map of the speed")
     program = arguments.program or find_program()
     if program is None:
-        fail("trebsweep: no such program next to this script or in PATH; build it, or give "
-             "--program")
-    designs = [archive.design(place)
-               for place in local_maxima(archive.read("speed"), arguments.count)]
+        fail("trebsweep: no such program built or installed with this script, or in PATH; "
+             "build it or give --program")
+    designs = [archive.design(index)
+               for index in local_maxima(archive.read("speed"), arguments.count)]
     if not designs:
         fail(f"{arguments.archive}: has no optimum: {archive.best_text()}")
     save(draw(archive, designs, program), output)

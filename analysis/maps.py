@@ -1,12 +1,10 @@
-"""Drawing a map of an archive: a lattice with three free axes as three planes, with two as a plane,
+"""Draws maps of an archive: a lattice with three free axes as three planes, with two as one plane,
 with one as a line."""
 
 from archive import AXES, edges  # before modules that may be missing
 from picture import labelled, plt, readable_unit, set_title, wrapped
 
 import numpy as np
-from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, SymLogNorm
-from matplotlib.ticker import MaxNLocator
 
 # The planes: (fixed axis, horizontal axis, vertical axis).
 PLANES = (("r1", "r2", "r3"), ("r3", "r2", "r1"), ("r2", "r3", "r1"))
@@ -21,12 +19,12 @@ def views(archive):
 
 
 def middle(archive):
-    """{axis: m} of the middle of the lattice's box."""
+    """{axis: m} of the middle of each axis."""
     return {name: float(values[len(values) // 2]) for name, values in archive.axes.items()}
 
 
-def parts(archive, field, centre):
-    """The values of a map in each view through `centre` ({axis: m}), as (vertical, horizontal)."""
+def slices(archive, field, centre):
+    """Arrays (vertical, horizontal) of a map's values in each view through `centre` ({axis: m})."""
     values = []
     for names in views(archive):
         where = tuple(slice(None) if name in names else archive.index(name, centre[name])
@@ -38,15 +36,16 @@ def parts(archive, field, centre):
 
 
 def finite_values(values):
-    """The finite numbers of several arrays."""
+    """The finite values of several arrays, as one array."""
     return np.concatenate([part[np.isfinite(part)] for part in values])
 
 
 def flag_colours(meanings):
-    """Colours of flags and their norm; the flag 0 is blank."""
-    colours = ListedColormap(["white", *plt.get_cmap("Set2").colors[: len(meanings) - 1]])
+    """Colour map and norm of flags; the flag 0 is blank."""
+    colours = ["white", *plt.get_cmap("Set2").colors[: len(meanings) - 1]]
     limits = np.arange(len(meanings) + 1) - 0.5
-    return {"cmap": colours, "norm": BoundaryNorm(limits, len(meanings))}
+    return {"cmap": plt.matplotlib.colors.ListedColormap(colours),
+            "norm": plt.matplotlib.colors.BoundaryNorm(limits, len(meanings))}
 
 
 def axis_label(archive, name):
@@ -54,21 +53,21 @@ def axis_label(archive, name):
     return labelled(f"{archive.long_name(name)} {name}", archive.unit(name))
 
 
-def place_text(archive, names, centre):
-    """Where a view that shows the axes `names` is, as text."""
+def position_text(archive, names, centre):
+    """The values of the axes that a view of the axes `names` holds fixed, as text."""
     fixed = [name for name in AXES if name not in names]
     values = [archive.axes[name][archive.index(name, centre[name])] for name in fixed]
     return ", ".join(f"{name} = {value:g}" for name, value in zip(fixed, values)) + " m"
 
 
 def shows(archive, names, centre, design):
-    """Whether a view of the axes `names` through `centre` holds the design."""
+    """Whether a view of the axes `names` through `centre` contains the design."""
     return all(archive.index(name, design[name]) == archive.index(name, centre[name])
                for name in AXES if name not in names)
 
 
 def draw_contours(axes, archive, names, values):
-    """Contours of numbers that vary."""
+    """Draws contours, unless the values are constant."""
     finite = values[np.isfinite(values)]
     if min(values.shape) < 2 or not finite.size or np.ptp(finite) <= 1e-9 * np.abs(finite).max():
         return
@@ -78,7 +77,7 @@ def draw_contours(axes, archive, names, values):
 
 
 def draw_plane(axes, archive, names, values, style, contours):
-    """The values of a plane; returns their colours, for the colour bar."""
+    """Draws the values of a plane; returns the mesh, for the colour bar."""
     limits = [edges(archive.axes[name]) for name in names]
     mesh = axes.pcolormesh(*limits, values, rasterized=True, **style)
     if contours:
@@ -89,14 +88,14 @@ def draw_plane(axes, archive, names, values, style, contours):
 
 
 def draw_line(axes, archive, name, values, style, meanings):
-    """The values along an axis."""
+    """Draws the values along an axis."""
     marker = "o" if meanings or len(values) < 50 else ""
     axes.plot(archive.axes[name], values, marker=marker, markersize=4,
               linestyle="none" if meanings else "-", color="tab:blue")
     axes.grid(True, color="0.9")
     if meanings:
         axes.set_ylim(-0.5, len(meanings) - 0.5)
-    if isinstance(style.get("norm"), LogNorm):
+    if isinstance(style.get("norm"), plt.matplotlib.colors.LogNorm):
         axes.set_yscale("log")
 
 
@@ -104,10 +103,10 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
          background="white", contours=False):
     """The figure of a map.
 
-    values    of each view through `centre` ({axis: m}), from parts()
-    label     what the values are, with their unit
-    style     colours of the planes, for pcolormesh
-    meanings  of flags
+    values    arrays of each view through `centre` ({axis: m}), from slices()
+    label     description of the values, with their unit
+    style     colour map and norm, as arguments of pcolormesh
+    meanings  texts of the flags, if the values are flags
     star      {axis: m} of the design to mark, or None
     """
     panels = views(archive)
@@ -116,28 +115,28 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
     label = wrapped(label, figure.get_figheight() - 1.2, 10)
     for axes, names, part in zip(all_axes.flat, panels, values):
         axes.set_facecolor(background if len(names) > 1 else "white")
-        axes.set_title(place_text(archive, names, centre))
+        axes.set_title(position_text(archive, names, centre))
         axes.set_xlabel(axis_label(archive, names[0]))
         lengths = archive.axes[names[0]]
         if np.ptp(lengths) < 0.02 * lengths[-1]:  # its labels have many digits
-            axes.xaxis.set_major_locator(MaxNLocator(4))
+            axes.xaxis.set_major_locator(plt.MaxNLocator(4))
         marked = star is not None and shows(archive, names, centre, star)
         if len(names) == 1:
             draw_line(axes, archive, *names, part, style, meanings)
             scale = axes.yaxis
             axes.set_ylabel(label)
-            place = marked and (star[names[0]],
+            point = marked and (star[names[0]],
                                 part[archive.index(names[0], star[names[0]])])
         else:
             mesh = draw_plane(axes, archive, names, part, style, contours)
-            place = marked and tuple(star[name] for name in names)
-        if place:
-            axes.plot(*place, "*", color=star_colour, markersize=13, markeredgecolor="white",
+            point = marked and tuple(star[name] for name in names)
+        if point:
+            axes.plot(*point, "*", color=star_colour, markersize=13, markeredgecolor="white",
                       clip_on=False, zorder=3)
     if len(panels[0]) > 1:
         bar = figure.colorbar(mesh, ax=all_axes, pad=0.01)
         bar.set_label("" if meanings else label)
-        if isinstance(mesh.norm, SymLogNorm):  # ticks near zero would lie on each other
+        if isinstance(mesh.norm, plt.matplotlib.colors.SymLogNorm):  # ticks near zero would overlap
             bar.set_ticks([t for t in bar.get_ticks()
                            if t == 0 or mesh.norm.linthresh <= abs(t) <= mesh.norm.vmax])
         scale = bar
@@ -148,7 +147,7 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
 
 
 def scaled(archive, field, values):
-    """The values of a map's views in a readable unit, its factor, and the unit."""
+    """The values of a map's views converted to a readable unit, and this unit."""
     finite = finite_values(values)
     largest = np.abs(finite).max() if finite.size else 0
     factor, unit = readable_unit(archive.unit(field), largest)

@@ -1,26 +1,27 @@
 #!/usr/bin/env python3
 """Prints the fastest design of an archive as options of `trebsweep trace`.
 
-Of an unfinished archive it is the fastest of what is done. Where nothing was released, nothing goes
-to stdout, and the exit code is 0.
+In a partial archive it is the fastest design done so far. If no design has a release, nothing is
+printed on stdout, and the exit code is 0.
 
   trebsweep trace as-run.cfg $(optimum.py accurate.h5 --job as-run.cfg) > swing.txt
 """
 
-from program import Parser, fail, keep, note, run  # before modules that may be missing
+from program import Parser, fail, note, refuse_overwriting, run  # before missing modules
 
 from archive import Archive
 
 
 def main():
     parser = Parser(__doc__)
-    parser.add_argument("archive", metavar="ARCHIVE", help="of a sweep, finished or not")
-    parser.add_argument("--job", metavar="FILE", help="also write the job, as it was run, to FILE")
+    parser.add_argument("archive", metavar="ARCHIVE",
+                        help="archive of a sweep, complete or partial")
+    parser.add_argument("--job", metavar="FILE", help="also write the job as it was run to FILE")
     arguments = parser.parse_args()
 
     archive = Archive(arguments.archive)
     if arguments.job:
-        keep("job", arguments.job, arguments.archive)
+        refuse_overwriting("job", arguments.job, arguments.archive)
         try:
             with open(arguments.job, "w", encoding="utf-8") as file:
                 file.write(archive.attributes["job"])

@@ -1,47 +1,65 @@
-"""What the pictures have in common: files, titles, units."""
+"""Files, titles and units of the pictures."""
 
+import functools
 import logging
 import os
 import textwrap
 import warnings
 
-from program import fail, keep, refuse  # before modules that may be missing
+from program import fail, refuse, refuse_overwriting  # before modules that may be missing
 
-import matplotlib
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (after the choice of the backend)
+@functools.cache
+def import_pyplot():
+    """matplotlib.pyplot, set up to write files."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
 
-warnings.filterwarnings("ignore", "Glyph .* missing from current font")  # of an archive's name
-logging.getLogger("matplotlib").setLevel(logging.ERROR)  # else of PostScript without transparency
-plt.rcParams["figure.constrained_layout.use"] = True
-plt.rcParams["axes.formatter.useoffset"] = False  # it would lie on titles
+    warnings.filterwarnings("ignore", "Glyph .* missing from current font")  # in an archive's name
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # PostScript lacks transparency
+    pyplot.rcParams["svg.hashsalt"] = "trebsweep"  # the same picture has the same bytes
+    pyplot.rcParams["figure.constrained_layout.use"] = True
+    pyplot.rcParams["axes.formatter.useoffset"] = False  # the offset would overlap titles
+    return pyplot
+
+
+class Pyplot:
+    """matplotlib.pyplot, imported at its first use: errors in the input are reported at once."""
+
+    def __getattr__(self, name):
+        return getattr(import_pyplot(), name)
+
+
+plt = Pyplot()
 
 FORMATS = ("png", "svg", "pdf", "eps", "ps", "jpg", "tif", "webp")
 PREFIXED = ("N", "Pa", "J")  # units that take a prefix
-OUTPUT_HELP = (f"the format follows the suffix ({', '.join(FORMATS)}); without a suffix PNG is "
+OUTPUT_HELP = (f"the suffix selects the format ({', '.join(FORMATS)}); without a suffix a PNG is "
                f"written under exactly this name; ")
 
 
 def picture_format(path):
-    """The format that a picture's name asks for."""
+    """The format that belongs to the suffix of a picture's name."""
     return os.path.splitext(path)[1][1:].lower() or "png"
 
 
 def check_output(path, *inputs):
-    """Ends the program if no picture can be written under this name, or only over what is read."""
+    """Ends the program if the name has no format of pictures or is that of an input file."""
     if picture_format(path) not in FORMATS:
         refuse("output", path,
                f"must end in one of .{', .'.join(FORMATS)}, or have no suffix (PNG)")
-    keep("output", path, *inputs)
+    refuse_overwriting("output", path, *inputs)
 
 
 def save(figure, path):
-    """Writes a picture and prints its name. It grows where a label would leave it."""
+    """Writes a picture, enlarged to hold all labels, and prints its name."""
     try:
         with open(path, "wb") as file:
-            figure.savefig(file, format=picture_format(path), dpi=150, bbox_inches="tight",
-                           pad_inches=0.08)
+            form = picture_format(path)
+            undated = {"metadata": {"Date": None}} if form == "svg" else {}
+            figure.savefig(file, format=form, dpi=150, bbox_inches="tight", pad_inches=0.08,
+                           **undated)
     except OSError as error:
         fail(f"{path}: cannot be written: {error.strerror or error}")
     plt.close(figure)
@@ -49,23 +67,23 @@ def save(figure, path):
 
 
 def plain(text):
-    """Text with neither markup nor what no font can show."""
+    """Text with markup escaped and invalid characters replaced."""
     return text.encode("utf-8", "replace").decode().replace("$", r"\$")
 
 
 def wrapped(text, inches, points=12):
-    """Text in lines that fit a width, if set in a size."""
+    """Text broken into lines that fit a width at a font size."""
     most = max(20, int(72 * inches / (0.58 * points)))
     return "\n".join(textwrap.fill(line, most) for line in plain(text).split("\n"))
 
 
 def set_title(figure, text):
-    """Puts a title above a figure, in as many lines as it takes."""
+    """Sets the title of a figure, broken into lines as needed."""
     figure.suptitle(wrapped(text, figure.get_figwidth()))
 
 
 def readable_unit(unit, largest):
-    """(factor, unit) for values up to `largest`: N, kN, MN or GN, but m/s stays."""
+    """(factor, unit) for values up to `largest`: N becomes kN, MN or GN; m/s stays."""
     if unit in PREFIXED:
         for prefix, size in (("G", 1e9), ("M", 1e6), ("k", 1e3)):
             if largest >= size:
@@ -74,5 +92,5 @@ def readable_unit(unit, largest):
 
 
 def labelled(text, unit):
-    """A label: what it is, and its unit if it has one."""
+    """A label with its unit, if it has one."""
     return f"{text} ({unit})" if unit else text

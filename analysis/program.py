@@ -1,7 +1,8 @@
-"""What the scripts have in common as programs: options, messages and exit codes.
+"""Options, messages and exit codes of the scripts.
 
-Exit codes: 0 done; 1 a file, a module or a program is missing or unusable; 2 bad command line.
-Every failure is one line on stderr. Import this module before others: it also reports missing ones.
+Exit codes: 0 success; 1 a file, a module or a program is missing or unusable; 2 bad command line.
+Every failure is reported as one line on stderr. Import this module first: it also reports missing
+modules.
 """
 
 import argparse
@@ -24,20 +25,20 @@ def fail(message):
 
 
 def refuse(option, value, allowed):
-    """Ends the program with exit code 2 and a message: an option's value is not what is allowed."""
+    """Ends the program with exit code 2 and an option, its value and what is allowed."""
     note(f"{option} = {value}: {allowed}")
     sys.exit(2)
 
 
-def keep(option, path, *inputs):
-    """Ends the program with exit code 2 where writing `path` would overwrite what is read."""
+def refuse_overwriting(option, path, *inputs):
+    """Ends the program with exit code 2 if writing `path` would overwrite one of its inputs."""
     if any(os.path.exists(path) and os.path.exists(name) and os.path.samefile(path, name)
            for name in inputs):
-        refuse(option, path, "must not be a file that is read")
+        refuse(option, path, "must not be an input file")
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose help is the script's docstring as it is, and whose errors are one line."""
+    """A parser that prints the script's docstring as its help, and each error as one line."""
 
     def __init__(self, doc):
         super().__init__(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -48,7 +49,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def is_hdf5(path):
-    """Whether a file begins as an HDF5 file does."""
+    """Whether a file has the signature of HDF5."""
     if not os.path.isfile(path):
         return False
     with open(path, "rb") as file:
@@ -56,10 +57,10 @@ def is_hdf5(path):
 
 
 def run(main):
-    """Runs `main` in a child process, since HDF5 crashes on some damaged files."""
+    """Runs `main` in a child process, because HDF5 crashes on some damaged files."""
     child = os.fork()
     if child == 0:
-        sys.stdout.reconfigure(errors="surrogateescape")  # file names can be any bytes
+        sys.stdout.reconfigure(errors="surrogateescape")  # file names may hold any bytes
         main()
         sys.stdout.flush()
         sys.exit()
@@ -68,13 +69,13 @@ def run(main):
         fail(f"{NAME}: was killed; is there enough memory?")
     if os.WIFSIGNALED(status):
         files = " or ".join(filter(is_hdf5, sys.argv[1:]))
-        fail(f"{files}: damaged, or of another kind: HDF5 was ended by "
+        fail(f"{files}: damaged, or not written by trebsweep: HDF5 crashed with "
              f"{signal.Signals(os.WTERMSIG(status)).name}")
     sys.exit(os.WEXITSTATUS(status))
 
 
 def report(kind, error, traceback):
-    """Shows what nobody has caught: in one line, unless it is a mistake in the scripts."""
+    """Prints an uncaught exception, as one line unless it is a bug in the scripts."""
     if issubclass(kind, ImportError):
         note(f"{NAME}: {sys.executable} cannot import {error.name or 'a module'}; install h5py, "
              f"matplotlib and numpy (Debian: python3-h5py, python3-matplotlib), or use a python3 "

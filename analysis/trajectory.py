@@ -2,11 +2,11 @@
 """Draws a swing from the table that `trebsweep trace` prints.
 
 Upper left: the angles against time (the paper's Figure 2). Upper right: beam, sling and projectile
-in equal intervals of time, with the projectile's path and the ground. Below, if the projectile was
+at equal intervals of time, with the projectile's path and the ground. Below, if the projectile was
 released: its free flight in vacuum to the ground.
 
-The heights of the ground and the flight come from the lines above the table's header
-(`# fulcrum-height = 1.5`, `# gravity = 9.8`, ...); without them neither is drawn.
+The ground and the flight need the comments above the table's header (`# fulcrum-height = 1.5`,
+`# gravity = 9.8`, ...); without them neither is drawn.
 
   trebsweep trace jobs/accurate.cfg --r1 0.51 --r2 0.91 --r3 0.58 > swing.txt
   trajectory.py swing.txt                              -> swing.png
@@ -28,7 +28,7 @@ Table = namedtuple("Table", "rows comments")
 
 
 def read_table(path):
-    """The table at `path`; ends the program if it is none."""
+    """Reads the table at `path`; ends the program if it is not one."""
     if os.path.exists(path) and not os.path.isfile(path):
         fail(f"{path}: is not a regular file")
     try:
@@ -38,7 +38,7 @@ def read_table(path):
                          if line and not line.startswith("#")] or [[]]
         missing = [name for name in COLUMNS if name not in header]
         if missing:
-            fail(f"{path}: has no column {missing[0]}; is it a table of 'trebsweep trace'?")
+            fail(f"{path}: has no column {missing[0]}; is it the output of 'trebsweep trace'?")
         if any(len(row) != len(header) for row in rows):
             fail(f"{path}: is damaged: not every row has the header's {len(header)} columns")
         values = np.array([[float(text) for text in row] for row in rows])
@@ -55,7 +55,7 @@ def read_table(path):
 
 
 def setting(table, key):
-    """A finite number of the comments, or None."""
+    """A finite number from the comments, or None."""
     try:
         value = float(table.comments[key])
     except (KeyError, ValueError):
@@ -69,15 +69,15 @@ def last_row(table):
 
 
 def released(table):
-    """Whether the table ends with a release: phi1 is pi, or by the job's rule in a window of it."""
+    """Whether the table ends with a release: phi1 is pi or, by the job's release rule, near it."""
     is_window = table.comments.get("release") == "window"
     allowed = setting(table, "release-window") if is_window else 1e-6
     return allowed is not None and abs(table.rows["phi1"][-1] - np.pi) <= allowed
 
 
 def last_velocity(table):
-    """Velocity of the projectile in the last row, m/s: of the arm's tip and about it, and along an
-    elastic sling what is missing to the speed."""
+    """The projectile's velocity in the last row, (vx, vy) in m/s, from the rates of the angles. The
+    rate at which an elastic sling stretches follows from the speed."""
     end = last_row(table)
     arm = np.hypot(end["xt"], end["yt"])
     sling = np.hypot(table.rows["x3"] - table.rows["xt"], table.rows["y3"] - table.rows["yt"])
@@ -86,18 +86,18 @@ def last_velocity(table):
                          arm * end["w1"] * np.sin(end["phi1"])
                          + sling[-1] * end["w2"] * np.sin(end["phi2"])])
     direction = np.array([end["x3"] - end["xt"], end["y3"] - end["yt"]]) / sling[-1]
-    times, places = np.unique(table.rows["t"], return_index=True)
+    times, rows = np.unique(table.rows["t"], return_index=True)
     if len(times) < 2 or np.ptp(sling) <= 1e-6 * sling[-1]:
         return velocity
-    # |velocity + stretch direction| = speed has two solutions: the one nearer to the last rows'.
-    seen = np.gradient(sling[places], times)[-1]
+    # |velocity + rate direction| = speed has two solutions: take the one nearer to the last rows.
+    measured = np.gradient(sling[rows], times)[-1]
     along = velocity @ direction
     root = np.sqrt(max(along**2 - velocity @ velocity + end["speed"] ** 2, 0))
-    return velocity + min(-along - root, -along + root, key=lambda x: abs(x - seen)) * direction
+    return velocity + min(-along - root, -along + root, key=lambda x: abs(x - measured)) * direction
 
 
 def flight(table):
-    """The free flight from the release to the ground, (x, y) in m; None where there is none."""
+    """The free flight from release to ground, arrays (x, y) in m, or None without a flight."""
     height, gravity = setting(table, "fulcrum-height"), setting(table, "gravity")
     if height is None or not gravity or gravity <= 0 or not released(table):
         return None
@@ -110,8 +110,8 @@ def flight(table):
 
 
 def draw_angles(axes, rows):
-    """The angles against time."""
-    axes.plot(rows["t"], rows["phi1"], label=r"$\phi_1$, counterweight's arm")
+    """Draws the angles against time."""
+    axes.plot(rows["t"], rows["phi1"], label=r"$\phi_1$, counterweight arm")
     axes.plot(rows["t"], rows["phi2"], "--", label=r"$\phi_2$, sling")
     axes.axhline(np.pi, color="grey", linewidth=0.8)
     axes.annotate(r"$\pi$", (rows["t"][0], np.pi), xytext=(2, 3), textcoords="offset points",
@@ -123,14 +123,14 @@ def draw_angles(axes, rows):
 
 
 def draw_ground(axes, table):
-    """The ground, if its height is known."""
+    """Draws the ground, if its height is known."""
     height = setting(table, "fulcrum-height")
     if height is not None:
         axes.axhline(-height, color="saddlebrown", linewidth=1.5, label="ground")
 
 
 def draw_path(axes, table, path):
-    """The projectile's path up to the release and after it."""
+    """Draws the projectile's path before and after the release."""
     axes.plot(table.rows["x3"], table.rows["y3"], color="red", linewidth=0.8, label="projectile")
     if path is not None:
         axes.plot(*path, ":", color="red", linewidth=1.2, label="free flight")
@@ -139,14 +139,14 @@ def draw_path(axes, table, path):
 
 
 def draw_strobe(axes, table, count, path):
-    """Beam, sling and projectile at `count` equally spaced times, and the projectile's path."""
+    """Draws beam, sling and projectile at `count` equally spaced times, and the path."""
     rows = table.rows
     start, end = rows["t"][0], rows["t"][-1]
     length = end - start or 1
-    places = sorted({int(np.argmin(np.abs(rows["t"] - time)))
+    chosen = sorted({int(np.argmin(np.abs(rows["t"] - time)))
                      for time in np.linspace(start, end, count)})
     colours = plt.get_cmap("viridis")
-    for i in places:
+    for i in chosen:
         colour = colours(0.9 * (rows["t"][i] - start) / length)
         axes.plot([rows["x1"][i], rows["xt"][i]], [rows["y1"][i], rows["yt"][i]], color=colour,
                   linewidth=2)
@@ -160,7 +160,7 @@ def draw_strobe(axes, table, count, path):
     limits = axes.axis()
     if path is not None:
         axes.plot(*path, ":", color="red", linewidth=1.2, label="free flight")
-    axes.axis(limits)  # the flight leaves the panel
+    axes.axis(limits)  # without the flight, which is much longer
     axes.set_title(f"t = {start:g} to {end:.4g} s, {rows['speed'][-1]:.5g} m/s at the end")
     axes.set_aspect("equal", adjustable="datalim")
     scale = plt.cm.ScalarMappable(plt.Normalize(start, start + length), colours)
@@ -169,7 +169,7 @@ def draw_strobe(axes, table, count, path):
 
 
 def draw_flight(axes, table, path):
-    """The whole path of the projectile."""
+    """Draws the projectile's path to the ground."""
     draw_ground(axes, table)
     draw_path(axes, table, path)
     axes.plot(0, 0, "k^", markersize=7, label="fulcrum")
@@ -196,9 +196,9 @@ def draw(table, count):
 
 def main():
     parser = Parser(__doc__)
-    parser.add_argument("table", metavar="TABLE", help="what 'trebsweep trace' printed")
+    parser.add_argument("table", metavar="TABLE", help="output of 'trebsweep trace'")
     parser.add_argument("--count", type=int, default=16,
-                        help="positions to draw, at least 2 (default: 16)")
+                        help="number of positions to draw, at least 2 (default: 16)")
     parser.add_argument("-o", "--output", metavar="PICTURE",
                         help=OUTPUT_HELP + "default: the table's name with .png")
     arguments = parser.parse_args()

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What each effect and each field of a scene costs, and what an effect does to the optimum: each beside
-the accurate sweep of the paper's scene, in turn, medians, as tables.
+"""Measures the cost of each effect and each field, and the change of the optimum by each effect, relative to
+the accurate sweep of the paper's scene. Prints tables of medians; the cases take turns in each round.
 
     tests/benchmarks/benchmark_effects.py [ROUNDS]      needs a build, h5py, and mpirun
 """
@@ -30,7 +30,7 @@ FIELDS = ["sling-angle", "arm-rate", "sling-rate", "kinetic-energy", "efficiency
 
 
 def sweep(scene, fields, archive):
-    """Nanoseconds per design of the integration, bytes of the archive, steps, and the optimum."""
+    """Runs a sweep: ns per design of the integration, bytes of the archive, steps per design, and the optimum."""
     options = [f"--scene.{key}={value}" for key, value in scene.items()]
     subprocess.run(["mpirun", "-n", "2", os.path.join(REPOSITORY, "build", "release", "trebsweep"),
                     "sweep", os.path.join(REPOSITORY, "jobs", "accurate.cfg"), *options,
@@ -45,15 +45,15 @@ def sweep(scene, fields, archive):
 
 
 def main():
-    """Measures and prints."""
+    """Measures and prints the tables."""
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 3
     cases = {name: (scene, []) for name, scene in EFFECTS.items()}
     cases |= {f"field {field}": ({}, [field]) for field in FIELDS}
     results = {name: [] for name in cases}
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as directory:
         for _ in range(rounds):
             for name, case in cases.items():
-                results[name].append(sweep(*case, os.path.join(folder, "map.h5")))
+                results[name].append(sweep(*case, os.path.join(directory, "map.h5")))
     none = statistics.median(result[0] for result in results["none"])
     print("| scene | ns per design, 2 ranks | ratio | steps per design | optimum, m/s | "
           "at r1, r2, r3, m |\n|---|---|---|---|---|---|")

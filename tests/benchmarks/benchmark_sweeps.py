@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Whole sweeps beside the paper's algorithm on one core: each in turn, medians, as a table.
+"""Compares whole sweeps with the paper's algorithm on one core. Prints a table of medians; the cases take turns
+in each round.
 
     tests/benchmarks/benchmark_sweeps.py [ROUNDS]      needs a build with the tests, h5py, and mpirun
 """
@@ -20,14 +21,14 @@ SWEEPS = [("jobs/paper.cfg", ()), ("jobs/accurate.cfg", ()),
 
 
 def serial_seconds():
-    """Seconds of the paper's algorithm, plainly, on one core."""
+    """Seconds of a plain implementation of the paper's algorithm on one core."""
     text = subprocess.run([os.path.join(BUILD, "tests", "paper_serial")], check=True, text=True,
                           capture_output=True).stdout
     return float(re.search(r"seconds +(\S+)", text).group(1))
 
 
 def sweep_seconds(job, options, ranks, archive):
-    """Integration and whole seconds of a sweep, and the share of lane steps that were at work."""
+    """Runs a sweep: seconds of the integration and in total, and the fraction of lane steps in use."""
     subprocess.run(["mpirun", "-n", str(ranks), os.path.join(BUILD, "trebsweep"), "sweep",
                     os.path.join(REPOSITORY, job), *options, "--output.file", archive,
                     "--overwrite", "--progress", "none"], check=True, capture_output=True)
@@ -37,20 +38,20 @@ def sweep_seconds(job, options, ranks, archive):
 
 
 def main():
-    """Measures and prints."""
+    """Measures and prints the table."""
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     serial, times = [], {}
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as directory:
         for _ in range(rounds):
             serial.append(serial_seconds())
             for job, options in SWEEPS:
                 for ranks in (1, 2):
                     times.setdefault((job, options, ranks), []).append(
-                        sweep_seconds(job, options, ranks, os.path.join(folder, "map.h5")))
+                        sweep_seconds(job, options, ranks, os.path.join(directory, "map.h5")))
     plain = statistics.median(serial)
     print(f"The paper's algorithm on one core: {plain:.2f} s (median of {rounds})\n")
     print("| sweep | ranks | integration, s | x the paper's | with writing, s | x the paper's | "
-          "writing | lanes at work | parallel efficiency |\n|---|---|---|---|---|---|---|---|---|")
+          "writing | lanes in use | parallel efficiency |\n|---|---|---|---|---|---|---|---|---|")
     for (job, options, ranks), values in times.items():
         integration, whole, lanes = (statistics.median(column) for column in zip(*values))
         alone = statistics.median(value[0] for value in times[job, options, 1])

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""What to expect of many ranks: measures a design's integration, an archive's start and the writing on this
-machine, and simulates the sweep's schedule with them for a lattice and numbers of ranks, as tables.
+"""Predicts the run time of sweeps on many ranks: measures the integration of a design, the creation of an archive
+and the writing on this machine, simulates the sweep's schedule with these numbers, and prints tables.
 
     tests/benchmarks/scale_study.py [GB_PER_SECOND ...]   rates of file systems, default 1 10 100; needs a build, h5py, mpirun
 
-The model: start (rank 0 alone, per tile) + rounds, each as long as its slowest rank, + all bytes at the rate of the
-file system, those of numbers twice, since they are filled with NaN first; no rank computes meanwhile. Not in it: the
-network, and other users of the file system.
+Model: time = creation (rank 0 alone, per tile) + rounds, each as long as its slowest rank, + all bytes divided by the
+rate of the file system. Bytes of numbers count twice, because they are filled with NaN first. No rank computes while
+the archive is written. The network and other users of the file system are not modelled.
 """
 
 import heapq
@@ -23,17 +23,17 @@ REPOSITORY = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__f
 PROGRAM = os.path.join(REPOSITORY, "build", "release", "trebsweep")
 JOB = os.path.join(REPOSITORY, "jobs", "millimetre.cfg")
 RANKS = (2, 16, 64, 256, 1000, 4000, 10000)
-# Nothing to integrate: what remains is the work around it.
+# Without integration, only the remaining work is measured.
 IDLE = ("--solver.max-time", "1e-9")
 ROUND_SECONDS, ROUND_BYTES = 2.0, 64 << 20  # as in src/sweep/schedule.cpp
 MAPS = 3
-FILLED = 8 / 9                              # of an archive's bytes, filled with NaN first: not the status
-CELL_BYTES = 3 * 8                          # of three maps in memory
+FILLED = 8 / 9                              # fraction of the bytes filled with NaN first: all but the status
+CELL_BYTES = 3 * 8                          # of the three maps in memory
 
 
-def sweep(folder, ranks, *options):
-    """Runs the job; its attributes, and the seconds until its partial file was there."""
-    archive = os.path.join(folder, "map.h5")
+def sweep(directory, ranks, *options):
+    """Runs the job; returns its root attributes and the seconds until the partial archive existed."""
+    archive = os.path.join(directory, "map.h5")
     partial = archive + ".partial"
     start = time.monotonic()
     process = subprocess.Popen(["mpirun", "-n", str(ranks), PROGRAM, "sweep", JOB, *options,
@@ -53,30 +53,30 @@ def sweep(folder, ranks, *options):
 
 
 def count_tiles(archive):
-    """The tiles of an archive."""
+    """The number of tiles of an archive."""
     with h5py.File(archive) as file:
         return file["tile_done"].size
 
 
-def measure(folder):
-    """Seconds per design on one core, per tile at the start, bytes per design, and bytes per second written."""
+def measure(directory):
+    """Seconds per design on one core, seconds per tile at creation, bytes per design, bytes written per second."""
     cores = os.cpu_count()
-    work, _ = sweep(folder, cores, "--lattice.increment", "0.004")
+    work, _ = sweep(directory, cores, "--lattice.increment", "0.004")
     per_design = work["integration_seconds"] * cores / work["designs"]
-    # Many small tiles, then one: the difference is the tiles', of one map that is not filled.
+    # Many small tiles, then one: the difference is due to the tiles, for one map without fill.
     one_map = (*IDLE, "--output.fields", "status")
-    many, late = sweep(folder, 1, *one_map, "--lattice.r1", "0.6", "--lattice.r3", "0.3:0.7:0.0001",
+    many, slow = sweep(directory, 1, *one_map, "--lattice.r1", "0.6", "--lattice.r3", "0.3:0.7:0.0001",
                        "--lattice.r2", "0.3:0.7:0.0001")
-    _, soon = sweep(folder, 1, *one_map, "--lattice.r1", "0.6", "--lattice.r3", "0.3", "--lattice.r2", "0.3")
-    idle, ready = sweep(folder, cores, *IDLE, "--lattice.increment", "0.002")
+    _, fast = sweep(directory, 1, *one_map, "--lattice.r1", "0.6", "--lattice.r3", "0.3", "--lattice.r2", "0.3")
+    idle, ready = sweep(directory, cores, *IDLE, "--lattice.increment", "0.002")
     writing = idle["sweep_seconds"] - idle["integration_seconds"] - ready
     rate = idle["bytes"] / writing
-    per_tile = MAPS * (late - soon) / many["tiles"]
+    per_tile = MAPS * (slow - fast) / many["tiles"]
     return per_design, per_tile, idle["bytes"] / idle["designs"], rate
 
 
 def tile_sizes(per_metre):
-    """Designs in each tile of the paper's bounds, in the tiles' order, and a tile's extent."""
+    """The designs in each tile within the paper's bounds, in tile order, and the extent of a tile."""
     r1 = per_metre - 1                       # 0.5 < r1 < 1.5
     rows = [int(1.2 * per_metre) - 1 - i for i in range(int(1.2 * per_metre))]  # r2 < 1.5 - r3
     extents = (r1, len(rows), rows[0])
@@ -91,16 +91,17 @@ def tile_sizes(per_metre):
 
 
 def integration_seconds(sizes, edge, ranks, per_design):
-    """The rounds' seconds: tiles dealt as the sweep deals them, the largest first, each to the idlest rank."""
+    """Seconds and number of the rounds. As in the sweep, tiles are assigned the largest first, each to the rank with
+    the smallest load."""
     most = max(1, ROUND_BYTES // (edge[0] * edge[1] * edge[2] * CELL_BYTES))
     batch, first, total, rounds = 1, 0, 0.0, 0
     while first < len(sizes):
-        dealt = sorted(sizes[first:first + batch * ranks], reverse=True)
-        first += len(dealt)
-        hands = [0] * min(ranks, len(dealt))
-        for size in dealt:
-            heapq.heapreplace(hands, hands[0] + size)
-        seconds = max(hands) * per_design
+        assigned = sorted(sizes[first:first + batch * ranks], reverse=True)
+        first += len(assigned)
+        loads = [0] * min(ranks, len(assigned))
+        for size in assigned:
+            heapq.heapreplace(loads, loads[0] + size)
+        seconds = max(loads) * per_design
         total += seconds
         rounds += 1
         pace = min(max(ROUND_SECONDS / seconds, 0.1), 8.0)
@@ -111,25 +112,25 @@ def integration_seconds(sizes, edge, ranks, per_design):
 def main():
     """Measures, simulates and prints."""
     rates = [float(word) for word in sys.argv[1:]] or [1.0, 10.0, 100.0]
-    with tempfile.TemporaryDirectory() as folder:
-        per_design, per_tile, per_design_bytes, rate = measure(folder)
+    with tempfile.TemporaryDirectory() as directory:
+        per_design, per_tile, per_design_bytes, rate = measure(directory)
     print(f"measured here: {1e9 * per_design:.0f} ns of a core per design, {1e6 * per_tile:.0f} us of rank 0 per "
-          f"tile at the start, {per_design_bytes:.2f} bytes per design, written at {rate / 1e9:.2f} GB/s\n")
+          f"tile at creation, {per_design_bytes:.2f} bytes per design, written at {rate / 1e9:.2f} GB/s\n")
     for name, per_metre in (("1 mm", 1000), ("0.2 mm", 5000)):
         sizes, edge = tile_sizes(per_metre)
         designs = sum(sizes)
-        start = per_tile * len(sizes)
+        creation = per_tile * len(sizes)
         print(f"{name}: {designs} designs in {len(sizes)} tiles, {designs * per_design_bytes / 1e9:.0f} GB, "
-              f"{designs * per_design:.0f} s of a core; start {start:.2f} s\n")
-        print("| ranks | tiles per rank | integrating, s | balance | "
-              + " | ".join(f"whole at {r:g} GB/s, s | efficiency" for r in rates) + " |")
+              f"{designs * per_design:.0f} s of a core; creation {creation:.2f} s\n")
+        print("| ranks | tiles per rank | integration, s | balance | "
+              + " | ".join(f"total at {r:g} GB/s, s | efficiency" for r in rates) + " |")
         print("|---" * (4 + 2 * len(rates)) + "|")
         for ranks in RANKS:
             seconds, _ = integration_seconds(sizes, edge, ranks, per_design)
             ideal = designs * per_design / ranks
             cells = []
             for each in rates:
-                whole = start + seconds + (1 + FILLED) * designs * per_design_bytes / (each * 1e9)
+                whole = creation + seconds + (1 + FILLED) * designs * per_design_bytes / (each * 1e9)
                 cells += [f"{whole:.1f}", f"{100 * ideal / whole:.0f} %"]
             print(f"| {ranks} | {len(sizes) / ranks:.1f} | {seconds:.2f} | {100 * ideal / seconds:.0f} % | "
                   + " | ".join(cells) + " |")

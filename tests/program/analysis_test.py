@@ -1,73 +1,55 @@
-"""The pictures and reports of analysis/, from archives and tables made here.
+"""The pictures and reports of analysis/, from archives and tables that the program writes.
 
-Needs TREBSWEEP (the program, in its build folder) in the environment.
+Needs TREBSWEEP (the program, in its build directory) in the environment.
 """
 
 import contextlib
+import io
 import os
 import random
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
+import unittest.mock
 
 import h5py
 import numpy as np
 
-SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-ANALYSIS = os.path.join(SOURCE, "analysis")
-PROGRAM = os.environ["TREBSWEEP"]
+from support import JOBS, PROGRAM, REPOSITORY, DirectoryTest
+
+ANALYSIS = os.path.join(REPOSITORY, "analysis")
 SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml", "eps": b"%!PS", "jpg": b"\xff\xd8"}
 SCRIPTS = ("assess.py", "compare.py", "heatmap.py", "loads.py", "optimum.py", "trajectory.py")
-LOADS = "speed, status, slack, release-time, peak-axle-load, peak-beam-stress, range, energy-drift"
+FIELDS = "speed, status, slack, release-time, peak-axle-load, peak-beam-stress, range, energy-drift"
 DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, ANALYSIS)
-import heatmap  # noqa: E402  (after the path)
+import heatmap  # noqa: E402  (found by the path)
 import loads  # noqa: E402
+import machine  # noqa: E402
 import trajectory  # noqa: E402
 from archive import AXES, Archive  # noqa: E402
 from picture import plt  # noqa: E402
 
 
-class ScriptTest(unittest.TestCase):
-    """Runs the scripts in a folder of its own."""
-
-    @classmethod
-    def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="trebsweep_")
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = folder.name
+class ScriptTest(DirectoryTest):
+    """Tests that run the scripts."""
 
     @classmethod
     def sweep(cls, job, *options, name=None, increment="0.05"):
-        archive = os.path.join(cls.folder, f"{name or job}.h5")
-        subprocess.run([PROGRAM, "sweep", f"{SOURCE}/jobs/{job}.cfg", "--lattice.increment",
+        """Writes the archive of a job on a coarse lattice; returns its path."""
+        archive = cls.path(f"{name or job}.h5")
+        subprocess.run([PROGRAM, "sweep", f"{JOBS}/{job}.cfg", "--lattice.increment",
                         increment, "--output.file", archive, *options],
                        check=True, capture_output=True, timeout=120)
         return archive
 
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder, name)
-
-    def write(self, name, content):
-        with open(self.path(name), "wb") as file:
-            file.write(content)
-        return name
-
-    def read(self, name):
-        with open(self.path(name), "rb") as file:
-            return file.read()
-
-    def run_script(self, script, *arguments, code=0, says="", python=(), **environment):
-        """Runs a script, which prints nothing on stderr, or one line that holds the words `says`."""
-        done = subprocess.run([sys.executable, "-B", *python, f"{ANALYSIS}/{script}", *arguments],
-                              cwd=self.folder, text=True, capture_output=True, timeout=120,
-                              check=False, env={**os.environ, **environment})
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+    def run_script(self, script, *arguments, code=0, says="", python=()):
+        """Runs a script, which prints nothing on stderr, or one line that contains `says`."""
+        done = self.run_command(sys.executable, "-B", *python, f"{ANALYSIS}/{script}", *arguments,
+                                code=code)
         self.assertIn(says, done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1 if says else 0, done.stderr)
         return done
@@ -76,73 +58,63 @@ class ScriptTest(unittest.TestCase):
         self.assertTrue(self.read(name).startswith(SIGNATURES[suffix or name.rsplit(".", 1)[1]]))
 
     def assert_nothing_is_cut(self, name):
-        """A picture of which something leaves its edge has ink there."""
+        """The edges of a picture are white, as they are unless something extends beyond them."""
         pixels = plt.imread(self.path(name))[..., :3]
         for edge in (pixels[:4], pixels[-4:], pixels[:, :4], pixels[:, -4:]):
             self.assertTrue((edge == 1).all(), name)
 
-    def trace(self, *options, comments=(), job="jobs/accurate.cfg", name="table.txt"):
-        """The table of the optimum's swing, with comments above its header."""
-        done = subprocess.run([PROGRAM, "trace", f"{SOURCE}/{job}", *DESIGN, *options], check=True,
+    def trace(self, *options, comments=(), job="jobs/accurate.cfg", name="table.txt", design=DESIGN):
+        """Writes the table of a swing, by default the optimum's, below some comments; returns its path."""
+        done = subprocess.run([PROGRAM, "trace", f"{REPOSITORY}/{job}", *design, *options], check=True,
                               capture_output=True, text=True, timeout=120)
         rows = [line for line in done.stdout.splitlines() if not line.startswith("#")]
         return self.write(name, "\n".join([*comments, *rows, ""]).encode())
 
 
-class Pictures(ScriptTest):
+class PictureTest(ScriptTest):
+    """Tests with the archives paper.h5, accurate.h5, and loads.h5 with the map of every field."""
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.sweep("paper")
         cls.sweep("accurate")
-        cls.sweep("accurate", "--output.fields", LOADS, name="loads")
+        cls.sweep("accurate", "--output.fields", FIELDS, name="loads")
 
     def figure(self, archive, field, **chosen):
-        """The picture of heatmap.py as a figure of matplotlib."""
+        """The figure that heatmap.py draws."""
         figure = heatmap.picture(Archive(self.path(archive)), field, chosen)
         self.addCleanup(plt.close, figure)
         return figure
 
     def star(self, figure):
-        """{axis: m} of the star, from the first two panels."""
-        place = {}
+        """{axis: m} of the star, read from the first two panels."""
+        design = {}
         for axes in figure.axes[:2]:
             for line in axes.get_lines():
                 if line.get_marker() == "*":
                     for label, value in ((axes.get_xlabel(), line.get_xdata()),
                                          (axes.get_ylabel(), line.get_ydata())):
-                        place[label.split()[-2]] = float(np.squeeze(value))
-        return place
+                        design[label.split()[-2]] = float(np.squeeze(value))
+        return design
 
-    def test_an_assessment_with_maps(self):
-        maps = self.sweep("paper", "--output.fields", "speed, status, speed-error, stiffness",
-                          name="maps")
-        subprocess.run([PROGRAM, "assess", f"{SOURCE}/jobs/paper.cfg",
-                        "--assess.scenes", f"{SOURCE}/jobs/extreme/long_steps.cfg",
-                        "--assess.steppers", "euler, dopri5", "--assess.time-steps", "0.01, 0.005",
-                        "--assess.tolerances", "1e-5, 1e-7", "--assess.repeats", "1",
-                        "--output.file", self.path("assess.h5")],
-                       check=True, capture_output=True, timeout=120)
-        self.run_script("assess.py", "assess.h5", "--maps", maps)
-        for picture in ("precision", "order", "stability", "speed_error", "stiffness"):
-            self.assert_picture(f"assess-{picture}.png")
-            self.assert_nothing_is_cut(f"assess-{picture}.png")
-        self.run_script("assess.py", "assess.h5", "--format", "svg", "-o", "other")
-        self.assert_picture("other-precision.svg")
-        self.run_script("assess.py", "paper.h5", code=1, says="paper.h5: is not an assessment")
-        self.run_script("heatmap.py", "assess.h5", code=1,
-                        says="assess.h5: is not an archive of trebsweep")
 
-    def test_heatmaps_of_every_field_in_every_format(self):
-        for field in LOADS.split(", "):
-            self.run_script("heatmap.py", "loads.h5", "--field", field)
+class Heatmaps(PictureTest):
+    def test_heatmaps_are_drawn_of_every_field_and_in_every_format(self):
+        for field in FIELDS.split(", "):
+            command = ["heatmap.py", self.path("loads.h5"), "--field", field]
+            with unittest.mock.patch("sys.argv", command), \
+                    contextlib.redirect_stdout(io.StringIO()), \
+                    contextlib.redirect_stderr(io.StringIO()) as errors:
+                heatmap.main()
+            self.assertEqual(errors.getvalue(), "")
             self.assert_picture(f"loads-{field}.png")
             self.assert_nothing_is_cut(f"loads-{field}.png")
         for suffix in SIGNATURES:
             self.run_script("heatmap.py", "paper.h5", "--r1", "0.7", "-o", f"map.{suffix}")
             self.assert_picture(f"map.{suffix}")
 
-    def test_a_name_without_suffix_is_kept_and_holds_a_png(self):
+    def test_an_output_name_without_suffix_is_kept_and_holds_a_png(self):
         self.trace()
         for script, source in (("heatmap.py", ["paper.h5"]), ("trajectory.py", ["table.txt"]),
                                ("compare.py", ["paper.h5", "accurate.h5"]),
@@ -152,7 +124,7 @@ class Pictures(ScriptTest):
                 self.run_script(script, *source, "-o", name)
                 self.assert_picture(name, "png")
 
-    def test_nothing_that_is_read_is_overwritten(self):
+    def test_input_files_are_not_overwritten(self):
         shutil.copy(self.path("paper.h5"), self.path("archive"))
         before = self.read("archive")
         for script, option in (("heatmap.py", "-o"), ("loads.py", "-o"), ("optimum.py", "--job")):
@@ -160,7 +132,7 @@ class Pictures(ScriptTest):
         self.run_script("compare.py", "paper.h5", "archive", "-o", "archive", code=2, says="archive")
         self.assertEqual(self.read("archive"), before)
 
-    def test_no_label_leaves_the_picture_however_long_the_names(self):
+    def test_labels_stay_inside_the_picture_for_long_names(self):
         name = "a_long_name_of_an_archive_" * 8
         self.sweep("accurate", "--lattice.r1", "0.7", name="flat")
         self.sweep("accurate", "--lattice.r1", "0.7", "--lattice.r3", "0.5", name="thin")
@@ -176,11 +148,11 @@ class Pictures(ScriptTest):
                 self.run_script(script, *arguments, "-o", "long.png")
                 self.assert_nothing_is_cut("long.png")
 
-    def test_names_that_look_like_markup_or_have_no_glyphs(self):
+    def test_names_with_markup_or_without_glyphs_are_drawn(self):
         shutil.copy(self.path("paper.h5"), self.path("$r_1$^ \u5f29.h5"))
         self.run_script("heatmap.py", "$r_1$^ \u5f29.h5", "-o", "markup.png")
 
-    def test_three_free_axes_are_planes_two_a_plane_and_one_a_line(self):
+    def test_three_free_axes_give_planes_two_a_plane_and_one_a_line(self):
         self.sweep("accurate", "--lattice.r3", "0.58", name="plane")
         self.sweep("accurate", "--lattice.r1", "0.7", "--lattice.r3", "0.5", name="line")
         for archive, panels in (("accurate.h5", 3), ("plane.h5", 1), ("line.h5", 0)):
@@ -194,7 +166,7 @@ class Pictures(ScriptTest):
         self.run_script("compare.py", "plane.h5", "plane.h5", "-o", "plane.png")
         self.run_script("compare.py", "line.h5", "line.h5", "-o", "line.png")
 
-    def test_labels_of_ticks_do_not_overlap_where_they_have_many_digits(self):
+    def test_tick_labels_with_many_digits_do_not_overlap(self):
         self.sweep("accurate", "--lattice.r1", "0.510001:0.510003:0.000001", "--lattice.r3",
                    "0.58:0.5801:0.00001", "--lattice.r2", "0.91:0.9101:0.00001", name="fine")
         figure = self.figure("fine.h5", "speed")
@@ -206,7 +178,7 @@ class Pictures(ScriptTest):
                 self.assertLess(left.x1 + 5, right.x0)
             self.assertEqual(axes.xaxis.get_offset_text().get_text(), "")
 
-    def test_a_single_design_is_a_table_and_no_picture(self):
+    def test_a_single_design_is_printed_as_a_table(self):
         single = self.sweep("accurate", "--lattice.r1", "0.7", "--lattice.r3", "0.5",
                             "--lattice.r2", "0.9", name="single")
         with h5py.File(single) as file:
@@ -219,22 +191,22 @@ class Pictures(ScriptTest):
         self.run_script("compare.py", "single.h5", "single.h5", says="no picture")
         self.assertFalse(os.path.exists(self.path("single.png")))
 
-    def test_the_star_marks_the_best_of_the_quantity_drawn_and_the_title_names_it(self):
+    def test_the_star_and_the_title_show_the_best_design_of_the_field(self):
         with h5py.File(self.path("loads.h5")) as file:
-            for field, place, words in (
+            for field, best, words in (
                     ("speed", np.nanargmax(file["speed"]), "\u2605 fastest: "),
                     ("range", np.nanargmax(file["range"]), "\u2605 largest: "),
-                    ("peak_axle_load", np.nanargmin(file["peak_axle_load"]), "\u2605 least: "),
-                    ("release_time", np.nanargmin(file["release_time"]), "\u2605 least: "),
+                    ("peak_axle_load", np.nanargmin(file["peak_axle_load"]), "\u2605 smallest: "),
+                    ("release_time", np.nanargmin(file["release_time"]), "\u2605 smallest: "),
                     ("status", np.nanargmax(file["speed"]), "\u2605 fastest: ")):
                 with self.subTest(field=field):
                     figure = self.figure("loads.h5", field)
                     design = {name: file[name][i] for name, i in
-                              zip(AXES, np.unravel_index(place, file["speed"].shape))}
+                              zip(AXES, np.unravel_index(best, file["speed"].shape))}
                     self.assertEqual(self.star(figure), design)
                     self.assertIn(words, figure._suptitle.get_text())
 
-    def test_units_are_chosen_by_size(self):
+    def test_units_have_prefixes_that_suit_the_values(self):
         self.sweep("accurate", "--output.fields", "speed, peak-axle-load, peak-beam-stress",
                    "--scene.counterweight-mass", "5", "--scene.projectile-mass", "0.1",
                    "--scene.beam-density", "1", name="toy")
@@ -248,24 +220,26 @@ class Pictures(ScriptTest):
             values = self.figure(archive, field).axes[0].collections[0].get_array()
             self.assertLess(np.nanmax(values), 1000)
 
-    def test_loads_of_the_best_designs(self):
+
+class Reports(PictureTest):
+    def test_loads_of_the_best_designs_are_drawn(self):
         self.run_script("loads.py", "accurate.h5", "--count", "1", "--program", PROGRAM)
         self.assert_picture("accurate-loads.png")
         self.run_script("loads.py", "accurate.h5", "--count", "100", "--program", PROGRAM,
                         says="of 100 designs drawn")
 
-    def test_designs_as_fast_as_their_neighbours_count_once_and_ledges_not_at_all(self):
+    def test_a_plateau_is_one_local_maximum_and_a_ledge_is_not(self):
         speed = np.zeros((9, 9, 9))
         speed[1, 1:4, 1:4] = 5
-        speed[2, 3, 3] = 5  # touches the plateau by a corner
+        speed[2, 3, 3] = 5  # touches a corner of the plateau
         speed[6, 6, 2:7] = 4
-        speed[6, 6, 7] = 4.5  # the ledge below it is no maximum
+        speed[6, 6, 7] = 4.5  # the ledge below it is not a maximum
         speed[8, 0, 0] = np.nan
         self.assertEqual(loads.local_maxima(speed, 5), [(1, 1, 1), (6, 6, 7)])
         self.assertEqual(loads.local_maxima(np.full((3, 3, 3), 7.0), 5), [(0, 0, 0)])
         self.assertEqual(loads.local_maxima(np.full((3, 3, 3), np.nan), 5), [])
 
-    def test_heatmaps_of_maps_without_a_value_or_with_but_one(self):
+    def test_maps_without_values_and_constant_maps_are_drawn(self):
         self.sweep("accurate", "--solver.max-time", "0.01", name="nothing")
         self.run_script("heatmap.py", "nothing.h5")
         self.assert_picture("nothing-speed.png")
@@ -275,29 +249,48 @@ class Pictures(ScriptTest):
         self.run_script("heatmap.py", "constant.h5")
         self.run_script("compare.py", "constant.h5", "nothing.h5")
 
-    def test_heatmap_draws_the_first_map_where_there_is_no_speed(self):
+    def test_heatmap_draws_the_first_map_of_an_archive_without_speed(self):
         self.sweep("accurate", "--output.fields", "status", name="flags")
         self.run_script("heatmap.py", "flags.h5")
         self.assert_picture("flags-status.png")
 
-    def test_comparison_in_numbers_and_as_a_map(self):
+    def test_compare_prints_numbers_and_draws_a_map(self):
         done = self.run_script("compare.py", "paper.h5", "accurate.h5")
         self.assertIn("largest", done.stdout)
         self.assert_picture("paper-accurate.png")
         done = self.run_script("compare.py", "accurate.h5", "accurate.h5", "-o", "same.svg")
         self.assertIn("median 0, 95 % below 0, largest 0 m/s", done.stdout)
 
-    def test_comparison_of_different_lattices_is_refused(self):
+    def test_an_assessment_is_drawn_with_maps(self):
+        maps = self.sweep("paper", "--output.fields", "speed, status, speed-error, stiffness",
+                          name="maps")
+        subprocess.run([PROGRAM, "assess", f"{JOBS}/paper.cfg",
+                        "--assess.scenes", f"{JOBS}/extreme/long_steps.cfg",
+                        "--assess.steppers", "euler, dopri5", "--assess.time-steps", "0.01, 0.005",
+                        "--assess.tolerances", "1e-5, 1e-7", "--assess.repeats", "1",
+                        "--output.file", self.path("assess.h5")],
+                       check=True, capture_output=True, timeout=120)
+        self.run_script("assess.py", "assess.h5", "--maps", maps)
+        for picture in ("precision", "order", "stability", "speed_error", "stiffness"):
+            self.assert_picture(f"assess-{picture}.png")
+            self.assert_nothing_is_cut(f"assess-{picture}.png")
+        self.run_script("assess.py", "assess.h5", "--format", "svg", "-o", "other")
+        self.assert_picture("other-precision.svg")
+        self.run_script("assess.py", "paper.h5", code=1, says="paper.h5: is not an assessment")
+        self.run_script("heatmap.py", "assess.h5", code=1,
+                        says="assess.h5: is not an archive of trebsweep")
+
+    def test_archives_of_different_lattices_are_not_compared(self):
         self.sweep("accurate", "--lattice.r1", "0.6:0.7:0.1", name="narrow")
         self.run_script("compare.py", "narrow.h5", "accurate.h5", code=1,
                         says="different lattices: r1")
 
-    def test_optimum_as_options_of_trace(self):
+    def test_optimum_prints_options_of_trace(self):
         done = self.run_script("optimum.py", "accurate.h5", "--job", "accurate-job.cfg")
         self.assertRegex(done.stdout, r"^--r1 [\d.]+ --r3 [\d.]+ --r2 [\d.]+\n$")
         self.assertIn(b"stepper = fehlberg78\n", self.read("accurate-job.cfg"))
 
-    def test_bad_values_of_options_are_named_with_what_is_allowed(self):
+    def test_invalid_options_are_refused_with_what_is_allowed(self):
         for script, arguments, words in (
                 ("heatmap.py", ["accurate.h5", "--field", "mass"],
                  "field = mass: accurate.h5 has no map mass; must be one of release_time, speed"),
@@ -311,7 +304,7 @@ class Pictures(ScriptTest):
                 ("trajectory.py", ["table.txt", "--count", "-1"], "count = -1: must be at least 2"),
                 ("assess.py", ["assess.h5", "--format", "xyz"], "format = xyz: must be one of png"),
                 ("compare.py", ["paper.h5", "accurate.h5", "--field", "status"],
-                 "field = status: holds flags; must be a map of numbers, as release_time, speed")):
+                 "field = status: holds flags; must be a map of numbers: release_time, speed")):
             with self.subTest(script=script, arguments=arguments):
                 self.run_script(script, *arguments, code=2, says=words)
 
@@ -325,18 +318,18 @@ class Swings(ScriptTest):
         self.addCleanup(plt.close, figure)
         return {label for axes in figure.axes for label in axes.get_legend_handles_labels()[1]}
 
-    def test_a_swing_with_and_without_comments_above_its_table(self):
+    def test_swings_are_drawn_with_and_without_comments(self):
         for comments in ((), self.COMMENTS):
             self.trace(comments=comments)
             self.run_script("trajectory.py", "table.txt", "-o", "swing.png")
             self.assert_picture("swing.png")
             self.assert_nothing_is_cut("swing.png")
 
-    def test_the_ground_and_the_flight_are_drawn_where_the_table_tells_of_them(self):
+    def test_ground_and_flight_are_drawn_if_the_comments_define_them(self):
         self.assertTrue(self.figure(self.trace(comments=self.COMMENTS)) >= {"ground", "free flight"})
         self.assertFalse(self.figure(self.trace()) & {"ground", "free flight"})
 
-    def test_only_a_release_is_followed_by_a_flight(self):
+    def test_there_is_a_flight_only_after_a_release(self):
         cut = self.trace("--solver.max-time", "0.8", comments=self.COMMENTS)
         self.assertIsNone(trajectory.flight(trajectory.read_table(self.path(cut))))
         for width, released in (("0.05", True), ("1e-9", False)):
@@ -345,14 +338,14 @@ class Swings(ScriptTest):
             path = trajectory.flight(trajectory.read_table(self.path(table)))
             self.assertEqual(path is not None, released)
 
-    def test_the_flight_goes_as_far_as_the_sweep_says(self):
+    def test_the_flight_has_the_range_of_the_sweep(self):
         for scene in ("paper", "elastic_sling"):
             job = f"jobs/scenes/{scene}.cfg"
             options = ("--solver.stepper", "dopri5")
             table = trajectory.read_table(self.path(
                 self.trace(*options, job=job, comments=self.COMMENTS)))
             archive = self.path(f"{scene}.h5")
-            subprocess.run([PROGRAM, "sweep", f"{SOURCE}/{job}", *options, "--output.fields", "range",
+            subprocess.run([PROGRAM, "sweep", f"{REPOSITORY}/{job}", *options, "--output.fields", "range",
                             "--lattice.r1", "0.51", "--lattice.r2", "0.91", "--lattice.r3", "0.58",
                             "--output.file", archive],
                            check=True, capture_output=True, timeout=120)
@@ -362,8 +355,44 @@ class Swings(ScriptTest):
             self.assertAlmostEqual(y[-1], -1.5, places=9)
 
 
-class Unfinished(ScriptTest):
-    """Archives of which some tiles are not done, whose cells read 0 or whatever is in the file."""
+class Machine(ScriptTest):
+    def test_the_sketch_shows_three_moments_of_a_traced_swing(self):
+        lengths = [word for name, value in zip(("--r1", "--r2", "--r3"), machine.DESIGN)
+                   for word in (name, str(value))]
+        rows = trajectory.read_table(self.path(self.trace("--interval", "0.02", design=lengths))).rows
+        last = len(rows["t"]) - 1
+        middle = int(np.argmin(np.abs(rows["phi1"] - machine.MIDDLE[0])))
+        for angles, i in ((machine.START, 0), (machine.MIDDLE, middle), (machine.RELEASE, last)):
+            np.testing.assert_allclose(angles, (rows["phi1"][i], rows["phi2"][i]), atol=1e-6)
+            for point, (x, y) in zip(machine.positions(angles), (("x1", "y1"), ("xt", "yt"), ("x3", "y3"))):
+                np.testing.assert_allclose(point, (rows[x][i], rows[y][i]), atol=1e-6)
+
+    def test_labels_of_the_sketch_overlap_neither_lines_nor_each_other(self):
+        figure = machine.draw()
+        self.addCleanup(plt.close, figure)
+        figure.canvas.draw()
+        axes = figure.axes[0]
+        boxes = [text.get_window_extent() for text in axes.texts
+                 if text.get_text() and not text.get_rotation() % 90]
+        self.assertGreater(len(boxes), 10)
+        for i, box in enumerate(boxes):
+            self.assertEqual([other for other in boxes[i + 1:] if box.overlaps(other)], [])
+            for line in axes.lines:
+                path = line.get_transform().transform_path(line.get_path())
+                self.assertFalse(path.intersects_bbox(box, filled=False), (box, line))
+
+    def test_the_sketch_is_drawn_in_every_format(self):
+        self.run_script("machine.py")
+        self.assert_picture("machine.svg")
+        for suffix in SIGNATURES:
+            self.run_script("machine.py", "-o", f"sketch.{suffix}")
+            self.assert_picture(f"sketch.{suffix}")
+        self.assert_nothing_is_cut("sketch.png")
+        self.run_script("machine.py", "-o", "sketch.xyz", code=2, says="output = sketch.xyz: must end")
+
+
+class PartialArchives(ScriptTest):
+    """Partial archives, with any values in the cells of the tiles that are not done."""
 
     @classmethod
     def setUpClass(cls):
@@ -375,7 +404,7 @@ class Unfinished(ScriptTest):
 
     @classmethod
     def tiles(cls, file):
-        """The tiles as slices, from where a complete archive has designs."""
+        """The slices of the tiles with designs, in the order of tile_done."""
         status = file["status"][...]
         edge = [int(file["tile_done"].attrs[f"edge_{name}"]) for name in AXES]
         for corner in np.ndindex(*(-(-n // e) for n, e in zip(status.shape, edge))):
@@ -383,7 +412,7 @@ class Unfinished(ScriptTest):
             if status[tile].any():
                 yield tile
 
-    def test_the_optimum_of_a_sweep_killed_before_its_last_attributes(self):
+    def test_the_optimum_of_a_sweep_killed_before_its_summary_is_found(self):
         shutil.copy(self.path("complete.h5"), self.path("killed.h5.partial"))
         with h5py.File(self.path("killed.h5.partial"), "r+") as file:
             for name in file.attrs:
@@ -392,8 +421,8 @@ class Unfinished(ScriptTest):
         self.assertEqual(self.run_script("optimum.py", "killed.h5.partial").stdout,
                          self.run_script("optimum.py", "complete.h5").stdout)
 
-    def unfinish(self, source, name, done, junk):
-        """Copies a complete archive with only the first `done` tiles done; returns the others."""
+    def make_partial(self, source, name, done, junk):
+        """Copies a complete archive with only the first `done` tiles done; returns the others and the message."""
         shutil.copy(self.path(source), self.path(name))
         with h5py.File(self.path(name), "r+") as file:
             tiles = list(self.tiles(file))
@@ -408,11 +437,11 @@ class Unfinished(ScriptTest):
         return tiles[done:], f"{name}: unfinished: {done} of {len(tiles)} tiles done; " \
                              "the rest is left blank\n"
 
-    def test_what_is_not_done_reads_blank_by_tile_done_alone(self):
+    def test_tiles_that_are_not_done_read_as_blank(self):
         for source in ("complete.h5", "by_hand.h5"):
             for name in ("q.h5", "q.h5.partial"):
                 for done in (0, 5):
-                    undone, message = self.unfinish(source, name, done, junk=99)
+                    undone, message = self.make_partial(source, name, done, junk=99)
                     with h5py.File(self.path(source)) as file:
                         speed, status = file["speed"][...], file["status"][...]
                     for tile in undone:
@@ -428,9 +457,9 @@ class Unfinished(ScriptTest):
                     np.testing.assert_array_equal(archive.read("speed", where), speed[where])
                     archive.file.close()
 
-    def test_the_optimum_is_the_fastest_of_what_is_done(self):
+    def test_the_optimum_is_the_fastest_design_in_the_tiles_done(self):
         for junk in (99, 0, np.nan):
-            undone, message = self.unfinish("complete.h5", "q.h5", 5, junk)
+            undone, message = self.make_partial("complete.h5", "q.h5", 5, junk)
             with h5py.File(self.path("complete.h5")) as file:
                 speed = file["speed"][...]
                 for tile in undone:
@@ -440,15 +469,19 @@ class Unfinished(ScriptTest):
             done = self.run_script("optimum.py", "q.h5", says=message)
             self.assertEqual(done.stdout.split(),
                              [word for name in AXES for word in (f"--{name}", repr(float(best[name])))])
-        _, message = self.unfinish("complete.h5", "q.h5", 0, 0)
-        done = subprocess.run([sys.executable, f"{ANALYSIS}/optimum.py", "q.h5"], cwd=self.folder,
-                              text=True, capture_output=True, check=True, timeout=60)
+        _, message = self.make_partial("complete.h5", "q.h5", 0, 0)
+        done = self.run_command(sys.executable, f"{ANALYSIS}/optimum.py", "q.h5")
         self.assertEqual(done.stdout, "")
         self.assertEqual(done.stderr, message + "q.h5: has no optimum: nothing released yet\n")
 
-    def test_every_script_says_once_that_an_archive_is_unfinished(self):
+    def test_every_script_reports_a_partial_archive_once(self):
+        subprocess.run([PROGRAM, "assess", f"{JOBS}/paper.cfg", "--assess.scenes",
+                        f"{JOBS}/scenes/paper.cfg", "--assess.steppers", "euler",
+                        "--assess.time-steps", "0.01", "--assess.repeats", "1",
+                        "--assess.designs", "1", "--output.file", self.path("assess.h5")],
+                       check=True, capture_output=True, timeout=120)
         for name in ("q.h5", "q.h5.partial"):
-            undone, message = self.unfinish("complete.h5", name, 5, junk=0)
+            undone, message = self.make_partial("complete.h5", name, 5, junk=0)
             for script, *arguments in (("heatmap.py", name), ("heatmap.py", name, "--field", "status"),
                                        ("compare.py", name, "complete.h5"),
                                        ("loads.py", name, "--count", "1", "--program", PROGRAM)):
@@ -461,16 +494,11 @@ class Unfinished(ScriptTest):
                             designs = np.isfinite(file["speed"][...]).sum()
                         self.assertIn(f"{designs - missing} with a speed in both, {missing} in one",
                                       done.stdout)
-            subprocess.run([PROGRAM, "assess", f"{SOURCE}/jobs/paper.cfg", "--assess.scenes",
-                            f"{SOURCE}/jobs/scenes/paper.cfg", "--assess.steppers", "euler",
-                            "--assess.time-steps", "0.01", "--assess.repeats", "1", "--overwrite",
-                            "--assess.designs", "1", "--output.file", self.path("assess.h5")],
-                           check=True, capture_output=True, timeout=120)
             self.run_script("assess.py", "assess.h5", "--maps", name, says=message)
 
 
 class Failures(ScriptTest):
-    """What is missing or damaged is one line on stderr, and exit code 1."""
+    """A missing or damaged file is reported as one line on stderr, with exit code 1."""
 
     @classmethod
     def setUpClass(cls):
@@ -478,10 +506,10 @@ class Failures(ScriptTest):
         cls.archive = cls.sweep("accurate", "--output.compression", "1", name="archive")
 
     def sources(self, script, name):
-        """The arguments of a script that read the file `name`."""
+        """The arguments that make a script read the file `name`."""
         return [name, "archive.h5"] if script == "compare.py" else [name]
 
-    def test_files_that_are_missing_empty_damaged_or_of_another_kind(self):
+    def test_missing_empty_damaged_and_foreign_files_are_refused(self):
         whole = self.read("archive.h5")
         with h5py.File(self.path("other.h5"), "w") as file:
             file["numbers"] = np.arange(5)
@@ -500,40 +528,39 @@ class Failures(ScriptTest):
                     done = self.run_script(script, *self.sources(script, name), code=1, says=name)
                     self.assertNotIn("Traceback", done.stderr)
 
-    def test_swings_that_are_cut_or_have_no_rows(self):
+    def test_truncated_and_empty_swings_are_refused(self):
         table = self.read(self.trace())
         for content in (table[:1003], table.splitlines()[0], table.replace(b"\n0.05 ", b"\nx "),
                         b"# gravity = 9.8\n"):
             self.write("cut.txt", content)
             self.run_script("trajectory.py", "cut.txt", code=1, says="cut.txt: ")
 
-    def test_archives_on_which_hdf5_crashes(self):
+    def test_a_crash_of_hdf5_is_reported(self):
         whole = self.read("archive.h5")
         chance = random.Random(7)
         for _ in range(25):
             damaged = bytearray(whole)
-            for place in chance.sample(range(8, 12000), 40):
-                damaged[place] = chance.randrange(256)
+            for offset in chance.sample(range(8, 12000), 40):
+                damaged[offset] = chance.randrange(256)
             self.write("damaged.h5", damaged)
-            done = subprocess.run([sys.executable, "-B", f"{ANALYSIS}/optimum.py", "damaged.h5"],
-                                  cwd=self.folder, text=True, capture_output=True, timeout=60,
-                                  check=False)
+            done = self.run_command(sys.executable, "-B", f"{ANALYSIS}/optimum.py", "damaged.h5",
+                                    code=None, timeout=60)
             self.assertIn(done.returncode, (0, 1))
             if done.returncode:
                 self.assertRegex(done.stderr, r"^damaged\.h5: .*\n$")
 
-    def test_python_without_the_modules(self):
-        for script in SCRIPTS:
-            with self.subTest(script=script):  # -S: without the folders of packages
+    def test_missing_modules_are_reported(self):
+        for script in (*SCRIPTS, "machine.py"):
+            with self.subTest(script=script):  # -S: without installed packages
                 done = self.run_script(script, "archive.h5", code=1, says="cannot import",
                                        python=["-S"])
                 self.assertIn("h5py", done.stderr)
 
-    def test_loads_without_the_program(self):
+    def test_loads_reports_an_unusable_program(self):
         for program in ("no/such/program", "false", "/etc/passwd"):
             self.run_script("loads.py", "archive.h5", "--program", program, code=1, says=program)
 
-    def test_pictures_that_cannot_be_written(self):
+    def test_files_that_cannot_be_written_are_reported(self):
         self.run_script("heatmap.py", "archive.h5", "-o", "no/such/folder.png", code=1,
                         says="no/such/folder.png")
         self.run_script("heatmap.py", "archive.h5", "-o", "/dev/full", code=1, says="/dev/full")
@@ -544,31 +571,29 @@ class Failures(ScriptTest):
 class Installed(ScriptTest):
     def test_every_script_runs_by_its_name(self):
         os.symlink(sys.executable, self.path("python3"))
-        for script in SCRIPTS:
+        for script in (*SCRIPTS, "machine.py"):
             done = subprocess.run([f"{ANALYSIS}/{script}", "--help"], text=True, capture_output=True,
                                   check=True, timeout=60,
-                                  env={"PATH": self.folder, "PYTHONDONTWRITEBYTECODE": "1"})
+                                  env={"PATH": self.directory, "PYTHONDONTWRITEBYTECODE": "1"})
             self.assertTrue(done.stdout.startswith(f"usage: {script} "))
-            self.assertIn(".png" if script != "optimum.py" else "trebsweep trace", done.stdout)
+            output = {"optimum.py": "trebsweep trace", "machine.py": "machine.svg"}.get(script, ".png")
+            self.assertIn(output, done.stdout)
 
-    def test_scripts_jobs_and_scenes_are_installed_and_loads_finds_the_program(self):
-        subprocess.run(["cmake", "--install", os.path.dirname(PROGRAM), "--prefix", self.folder],
+    def test_the_installed_scripts_find_the_installed_program(self):
+        subprocess.run(["cmake", "--install", os.path.dirname(PROGRAM), "--prefix", self.directory],
                        check=True, capture_output=True, timeout=120)
         share = self.path("share/trebsweep")
-        for script in SCRIPTS:
+        for script in (*SCRIPTS, "machine.py"):
             self.assertTrue(os.access(f"{share}/analysis/{script}", os.X_OK), script)
         for name in ("jobs/paper.cfg", "jobs/scenes/wood.cfg", "jobs/slurm.sh", "jobs/pbs.sh"):
-            source, copy = f"{SOURCE}/{name}", f"{share}/{name}"
+            source, copy = f"{REPOSITORY}/{name}", f"{share}/{name}"
             self.assertEqual(os.stat(source).st_mode & 0o777, os.stat(copy).st_mode & 0o777, name)
         job = ["sweep", f"{share}/jobs/accurate.cfg", "--lattice.increment", "0.1", "--output.file",
                "small.h5"]
-        subprocess.run([self.path("bin/trebsweep"), *job], cwd=self.folder, check=True,
-                       capture_output=True, timeout=120)
-        done = subprocess.run([sys.executable, "-B", f"{share}/analysis/loads.py", "small.h5",
-                               "--count", "1"], cwd=self.folder, text=True, capture_output=True,
-                              timeout=120, check=False,
-                              env={**os.environ, "PATH": "/nowhere"})
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.run_command(self.path("bin/trebsweep"), *job)
+        done = self.run_command(sys.executable, "-B", f"{share}/analysis/loads.py", "small.h5",
+                                "--count", "1", PATH="/nowhere")
+        self.assertEqual(done.stderr, "")
         self.assert_picture("small-loads.png")
 
 

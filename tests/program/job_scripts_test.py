@@ -1,14 +1,14 @@
-"""The job scripts beside a batch system that only takes notes: what they start, and when they go on by themselves."""
+"""The job scripts with a stub batch system that records its calls: what they start, and when they requeue."""
 
 import os
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 
-REPOSITORY = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-TAKES_NOTES = """#!/usr/bin/env bash
+from support import JOBS, DirectoryTest
+
+RECORDS_CALL = """#!/usr/bin/env bash
 printf '%s' "$(basename "$0")" >>"$NOTES"
 printf ' <%s>' "$@" >>"$NOTES"
 echo >>"$NOTES"
@@ -17,8 +17,8 @@ QSTAT = """#!/usr/bin/env bash
 printf 'Job Id: %s\\n    Resource_List.ncpus = 64\\n    Resource_List.walltime = 02:09:30\\n' "$2"
 printf '    run_count = %s\\n' "${RUN_COUNT:-1}"
 """
-# Ends with CODE; where that is "wait", it runs until USR1, like a sweep: then 75.
-MPIRUN = TAKES_NOTES + """
+# Exits with CODE, or if that is "wait", runs until SIGUSR1 and exits with 75, as a sweep does.
+MPIRUN = RECORDS_CALL + """
 [[ $CODE == wait ]] || exit "$CODE"
 trap 'echo usr1 >>"$NOTES"; exit 75' USR1
 touch "$NOTES.running"
@@ -27,43 +27,35 @@ exit 1
 """
 
 
-class JobScript(unittest.TestCase):
-    """A folder with the commands of a batch system that write down how they were called."""
+class JobScriptTest(DirectoryTest):
+    """A directory with the commands of a batch system, which record how they were called."""
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="trebsweep_")
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-        for name, text in (("mpirun", MPIRUN), ("scontrol", TAKES_NOTES), ("qstat", QSTAT),
-                           ("qsub", TAKES_NOTES + 'echo "jobs=$jobs options=$options '
+        self.empty_directory()
+        for name, text in (("mpirun", MPIRUN), ("scontrol", RECORDS_CALL), ("qstat", QSTAT),
+                           ("qsub", RECORDS_CALL + 'echo "jobs=$jobs options=$options '
                                                   'restart=$restart" >>"$NOTES"\n')):
-            with open(self.path(name), "w", encoding="utf-8") as file:
-                file.write(text)
-            os.chmod(self.path(name), 0o755)
-        with open(self.path("nodes"), "w", encoding="utf-8") as file:
-            file.write("one\none\ntwo\n")
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
+            os.chmod(self.write(name, text), 0o755)
+        self.write("nodes", "one\none\ntwo\n")
 
     def start(self, script, *arguments, code=0, **variables):
-        """Starts a script of jobs/ as a batch system does; the launcher is to end with the code."""
+        """Starts a script of jobs/ as a batch system does. `code` is the exit code of the launcher."""
         environment = {
-            "PATH": self.folder + ":" + os.environ["PATH"], "NOTES": self.path("notes"),
+            "PATH": self.directory + ":" + os.environ["PATH"], "NOTES": self.path("notes"),
             "CODE": str(code), "TREBSWEEP": "true", "SLURM_JOB_ID": "12", "PBS_JOBID": "12.server",
-            "PBS_O_WORKDIR": self.folder, "PBS_NODEFILE": self.path("nodes"), **variables}
-        return subprocess.Popen([os.path.join(REPOSITORY, "jobs", script), *arguments],
-                                env=environment, cwd=self.folder, text=True,
+            "PBS_O_WORKDIR": self.directory, "PBS_NODEFILE": self.path("nodes"), **variables}
+        return subprocess.Popen([os.path.join(JOBS, script), *arguments],
+                                env=environment, cwd=self.directory, text=True,
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
     def run_script(self, script, *arguments, **given):
-        """The exit code, the calls of the batch system's commands, and the messages."""
+        """Returns the exit code, the recorded calls, and the text on stderr."""
         process = self.start(script, *arguments, **given)
         errors = process.communicate(timeout=60)[1]
         return process.returncode, self.notes(), errors
 
     def run_until_signal(self, number, script, *arguments, **given):
-        """The same, where the script gets a signal as soon as the sweep runs."""
+        """The same for a script that gets a signal as soon as the sweep runs."""
         process = self.start(script, *arguments, code="wait", **given)
         while not os.path.exists(self.path("notes.running")):
             time.sleep(0.01)
@@ -72,54 +64,52 @@ class JobScript(unittest.TestCase):
         return process.returncode, self.notes(), errors
 
     def notes(self):
-        if not os.path.exists(self.path("notes")):
-            return []
-        with open(self.path("notes"), encoding="utf-8") as file:
-            return file.read().splitlines()
+        """The recorded calls, one per line."""
+        return self.read("notes").decode().splitlines() if os.path.exists(self.path("notes")) else []
 
 
-class Slurm(JobScript):
+class Slurm(JobScriptTest):
     SWEEP = "mpirun <--bind-to> <core> <true> <sweep> "
 
     def test_a_complete_sweep_ends_the_job(self):
         code, notes, _ = self.run_script("slurm.sh", "a.cfg", "--", "--output.file", "a b.h5")
         self.assertEqual((code, notes), (0, [self.SWEEP + "<a.cfg> <--output.file> <a b.h5>"]))
 
-    def test_a_sweep_that_stopped_cleanly_goes_back_into_the_queue(self):
+    def test_a_sweep_that_stopped_cleanly_is_requeued(self):
         code, notes, _ = self.run_script("slurm.sh", "a.cfg", code=75)
         self.assertEqual((code, notes), (75, [self.SWEEP + "<a.cfg>", "scontrol <requeue> <12>"]))
 
-    def test_ahead_of_the_limit_the_sweep_is_told_to_stop(self):
+    def test_the_sweep_is_stopped_before_the_time_limit(self):
         code, notes, _ = self.run_until_signal(signal.SIGUSR1, "slurm.sh", "a.cfg")
         self.assertEqual((code, notes[1:]), (75, ["usr1", "scontrol <requeue> <12>"]))
 
-    def test_a_cancelled_sweep_stops_and_stays_out_of_the_queue(self):
+    def test_a_cancelled_sweep_stops_and_is_not_requeued(self):
         code, notes, _ = self.run_until_signal(signal.SIGTERM, "slurm.sh", "a.cfg")
         self.assertEqual((code, notes[1:]), (75, ["usr1"]))
 
-    def test_a_failed_sweep_stays_failed(self):
+    def test_a_failed_sweep_is_not_restarted(self):
         for code in (1, 2, 137, 205):
             self.assertEqual(self.run_script("slurm.sh", "a.cfg", code=code)[0], code)
         self.assertNotIn("scontrol", "".join(self.notes()))
 
-    def test_restarts_have_an_end(self):
+    def test_the_number_of_restarts_is_limited(self):
         code, notes, errors = self.run_script("slurm.sh", "a.cfg", code=75, SLURM_RESTART_COUNT="100")
         self.assertEqual((code, len(notes)), (75, 1))
         self.assertIn("not complete after 100 restarts", errors)
 
-    def test_a_restart_goes_on_with_what_is_there(self):
+    def test_a_restart_continues_the_partial_archive(self):
         for restarts, option in (("0", " <--overwrite>"), ("1", "")):
             _, notes, _ = self.run_script("slurm.sh", "a.cfg", "--", "--overwrite", "-x",
                                           SLURM_RESTART_COUNT=restarts)
             self.assertEqual(notes[-1], self.SWEEP + f"<a.cfg>{option} <-x>")
 
-    def test_each_task_of_an_array_has_its_job_file(self):
+    def test_each_task_of_an_array_runs_its_own_job_file(self):
         for number, job in enumerate(("a.cfg", "b.cfg", "c.cfg"), 1):
             code, notes, _ = self.run_script("slurm.sh", "a.cfg", "b.cfg", "c.cfg", "--", "-x",
                                              SLURM_ARRAY_TASK_ID=str(number))
             self.assertEqual((code, notes[-1]), (0, self.SWEEP + f"<{job}> <-x>"))
 
-    def test_what_cannot_be_run_is_refused(self):
+    def test_invalid_submissions_are_refused(self):
         for arguments, variables, message in (
                 ((), {}, "no job file"),
                 (("a.cfg", "b.cfg"), {}, "--array=1-2"),
@@ -131,15 +121,14 @@ class Slurm(JobScript):
             self.assertEqual((code, notes), (2, []))
             self.assertIn(message, errors)
 
-
-    def test_a_job_of_an_array_goes_back_into_the_queue_alone(self):
+    def test_only_the_stopped_task_of_an_array_is_requeued(self):
         _, notes, _ = self.run_script("slurm.sh", "a.cfg", "b.cfg", code=75,
                                       SLURM_ARRAY_JOB_ID="12", SLURM_ARRAY_TASK_ID="2")
         self.assertEqual(notes, [self.SWEEP + "<b.cfg>", "scontrol <requeue> <12_2>"])
 
 
-class Pbs(JobScript):
-    # 02:09:30 is 7770 s, less 180.
+class Pbs(JobScriptTest):
+    # The time limit is 02:09:30, 7770 s, less a margin of 180 s.
     SWEEP = ("mpirun <-machinefile> <{}> <-n> <3> <--bind-to> <core> <true> <sweep> <{}> "
              "<--time-limit> <7590>")
 
@@ -157,35 +146,35 @@ class Pbs(JobScript):
             "qsub <-v> <jobs,options,restart,script,TREBSWEEP> <jobs/pbs.sh>",
             "jobs=a.cfg options=-x restart=4"]))
 
-    def test_a_restart_goes_on_with_what_is_there(self):
+    def test_a_restart_continues_the_partial_archive(self):
         _, notes, _ = self.run_script("pbs.sh", code=75, jobs="a.cfg", options="--overwrite -x")
         self.assertEqual(notes[0], self.sweep("a.cfg", " <--overwrite> <-x>"))
         self.assertEqual(notes[-1], "jobs=a.cfg options= -x restart=1")
 
-    def test_a_job_that_pbs_runs_again_goes_on_too(self):
+    def test_a_job_rerun_by_pbs_continues_the_partial_archive(self):
         _, notes, _ = self.run_script("pbs.sh", jobs="a.cfg", options="--overwrite -x", RUN_COUNT="2")
         self.assertEqual(notes, [self.sweep("a.cfg", " <-x>")])
 
-    def test_a_job_of_an_array_has_its_job_file_and_is_submitted_again_alone(self):
+    def test_only_the_stopped_job_of_an_array_is_submitted_again(self):
         code, notes, _ = self.run_script("pbs.sh", code=75, jobs="a.cfg b.cfg", PBS_ARRAY_INDEX="2")
         self.assertEqual((code, notes[0]), (75, self.sweep("b.cfg")))
         self.assertEqual(notes[-1], "jobs=b.cfg options= restart=1")
 
-    def test_a_deleted_job_stops_and_stays_out_of_the_queue(self):
+    def test_a_deleted_job_stops_and_is_not_submitted_again(self):
         code, notes, _ = self.run_until_signal(signal.SIGTERM, "pbs.sh", jobs="a.cfg")
         self.assertEqual((code, notes[1:]), (75, ["usr1"]))
 
-    def test_a_failed_sweep_stays_failed(self):
+    def test_a_failed_sweep_is_not_restarted(self):
         for code in (1, 2, 137, 205):
             self.assertEqual(self.run_script("pbs.sh", code=code, jobs="a.cfg")[0], code)
         self.assertNotIn("qsub", "".join(self.notes()))
 
-    def test_restarts_have_an_end(self):
+    def test_the_number_of_restarts_is_limited(self):
         code, notes, errors = self.run_script("pbs.sh", code=75, jobs="a.cfg", restart="100")
         self.assertEqual((code, len(notes)), (75, 1))
         self.assertIn("not complete after 100 restarts", errors)
 
-    def test_what_cannot_be_run_is_refused(self):
+    def test_invalid_submissions_are_refused(self):
         for variables, message in (
                 ({}, "no job file"),
                 ({"jobs": "a.cfg b.cfg"}, "qsub -J 1-2"),

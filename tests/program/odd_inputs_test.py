@@ -1,5 +1,5 @@
-"""Odd inputs: each ends within 10 s with the expected exit code, and where that is 2, with one line on stderr,
-nothing on stdout, and a folder that is as it was.
+"""Odd inputs: for each, the program ends within 10 s with the expected exit code. Where that is 2, it prints one
+line on stderr and nothing on stdout, and the directory is unchanged.
 
 Needs TREBSWEEP (the program) in the environment.
 """
@@ -12,7 +12,8 @@ import subprocess
 import tempfile
 import unittest
 
-PROGRAM = os.environ["TREBSWEEP"]
+from support import PROGRAM
+
 LONG = "9" * 5000
 DESIGN = ["--r1", "0.6", "--r2", "0.9", "--r3", "0.5"]
 TINY = ["--lattice.increment", "0.3", "--progress", "none"]
@@ -23,7 +24,7 @@ MAGNITUDES = ["1e300", "1.1e12", "9e-13", "1e-300", "-1"]
 
 
 def scene_keys():
-    """Values that no machine has, key by key."""
+    """Values that are physically impossible, for each key."""
     masses = ["gravity", "counterweight-mass", "projectile-mass", "release-height", "fulcrum-height"]
     others = ["beam-density", "beam-side", "pivot-viscosity", "pivot-friction", "sling-mass", "sling-stiffness",
               "sling-damping"]
@@ -42,7 +43,7 @@ def scene_keys():
 
 
 def solver_keys():
-    """Solvers that do not exist, or that do not go together."""
+    """Unknown solvers, and settings that exclude each other."""
     def refused(*options):
         return ["trace", "job.cfg", *DESIGN, *options], 2
 
@@ -73,7 +74,7 @@ def solver_keys():
 
 
 def lattices():
-    """Lattices that are empty, endless or ill-written."""
+    """Lattices that are empty, too large or malformed."""
     def sweep(code, *options):
         return ["sweep", "job.cfg", "--progress", "none", *options], code
 
@@ -91,7 +92,7 @@ def lattices():
 
 
 def outputs():
-    """Places that cannot be files, and malformed lists."""
+    """Output paths that cannot be files, and malformed lists."""
     def sweep(code, *options):
         return ["sweep", "job.cfg", *TINY, *options], code
 
@@ -119,7 +120,7 @@ def outputs():
 
 
 def command_lines():
-    """Command lines that say nothing, too much, or nonsense."""
+    """Command lines with too few, too many or meaningless words."""
     for arguments in [[], ["swep"], [""], [LONG], ["--halp"], ["sweep"], ["trace"], ["assess"], ["info"], ["sweep", "a", "b"],
                       ["info", "a", "b"], ["sweep", "job.cfg", "--overwrit"], ["sweep", "job.cfg", "--scene.gravity"],
                       ["sweep", "job.cfg", "--scene.gravity", "9", "--scene.gravity", "9"],
@@ -180,7 +181,7 @@ JOB_FILES = {
 
 
 def job_files():
-    """Job files of every kind but the right one, and right ones that look odd."""
+    """Malformed job files, and valid ones that look odd."""
     for name, (_, code) in JOB_FILES.items():
         yield ["trace", f"{name}.cfg", *DESIGN], code
     for name in ["missing.cfg", "folder", "fifo", "/dev/null", "/dev/zero", "", "x" * 300, "loop", "utf16.cfg", "link_to_fifo",
@@ -191,15 +192,13 @@ def job_files():
     yield ["sweep", "duplicate.cfg"], 2
 
 
-def cases():
-    """(arguments, exit code) of every case."""
-    return [case for kind in (scene_keys, solver_keys, lattices, outputs, command_lines, job_files) for case in kind()]
+KINDS = (scene_keys, solver_keys, lattices, outputs, command_lines, job_files)
 
 
-def fill(folder):
-    """The files that the cases name."""
+def fill(directory):
+    """Writes the files that the cases name."""
     def write(name, text):
-        with open(os.path.join(folder, name), "w", encoding="utf-8", newline="") as file:
+        with open(os.path.join(directory, name), "w", encoding="utf-8", newline="") as file:
             file.write(text)
 
     write("job.cfg", "")
@@ -211,69 +210,84 @@ def fill(folder):
     write("a_job.cfg", "[solver]\nstepper = rk4\n")
     for name, (text, _) in JOB_FILES.items():
         write(f"{name}.cfg", text)
-    with open(os.path.join(folder, "utf16.cfg"), "w", encoding="utf-16") as file:
+    with open(os.path.join(directory, "utf16.cfg"), "w", encoding="utf-16") as file:
         file.write("[scene]\ngravity = 9\n")
-    os.mkdir(os.path.join(folder, "folder"))
+    os.mkdir(os.path.join(directory, "folder"))
     for name in ["fifo", "partial_fifo.h5.partial", "lock_fifo.h5.lock"]:
-        os.mkfifo(os.path.join(folder, name))
-    os.mknod(os.path.join(folder, "socket"), 0o600 | stat.S_IFSOCK)
+        os.mkfifo(os.path.join(directory, name))
+    os.mknod(os.path.join(directory, "socket"), 0o600 | stat.S_IFSOCK)
     for name in ["partial_folder.h5.partial", "lock_folder.h5.lock"]:
-        os.mkdir(os.path.join(folder, name))
+        os.mkdir(os.path.join(directory, name))
     write("partial_text.h5.partial", "precious\n")
     write("lock_text.h5.lock", "precious\n")
     for name, target in [("loop", "loop"), ("link_to_fifo", "fifo"), ("link_to_folder", "folder"),
                          ("dangling", "target.h5"), ("lock_link.h5.lock", "job.cfg"),
                          ("partial_job.h5.partial", "job.cfg")]:
-        os.symlink(target, os.path.join(folder, name))
+        os.symlink(target, os.path.join(directory, name))
 
 
-def snapshot(folder):
-    """What a folder holds: kinds, targets of links, contents."""
+def snapshot(directory):
+    """{path: (kind, contents or the target of a link)} of everything in a directory."""
     found = {}
-    for root, folders, files in os.walk(folder):
-        for name in folders + files:
+    for root, directories, files in os.walk(directory):
+        for name in directories + files:
             path = os.path.join(root, name)
             kind = stat.S_IFMT(os.lstat(path).st_mode)
             content = os.readlink(path) if kind == stat.S_IFLNK else None
             if kind == stat.S_IFREG:
                 with open(path, "rb") as file:
                     content = file.read()
-            found[os.path.relpath(path, folder)] = (kind, content)
+            found[os.path.relpath(path, directory)] = (kind, content)
     return found
 
 
-def complaint(case):
-    """What is wrong with the program's answer to a case, or nothing."""
+def fault(case, directory, before, sessions):
+    """Runs a case in a directory with the contents `before`. Returns what is wrong with the answer, or None.
+    `sessions` is a directory for the files of MPI."""
     arguments, code = case
     shown = " ".join(repr(a if len(a) < 60 else a[:60] + "...") for a in arguments)
-    with tempfile.TemporaryDirectory(prefix="trebsweep_") as folder:
-        fill(folder)
-        before = snapshot(folder)
-        try:
-            done = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, timeout=10, check=False,
-                                  stdin=subprocess.DEVNULL, errors="replace")
-        except subprocess.TimeoutExpired:
-            return f"{shown}: still running after 10 s"
-        wrong = []
-        if done.returncode != code:
-            wrong.append(f"exit code {done.returncode} instead of {code}")
-        if code == 2:
-            if done.stdout:
-                wrong.append(f"on stdout: {done.stdout[:200]!r}")
-            if not re.fullmatch(r"trebsweep: [^\n]+\n", done.stderr) or len(done.stderr) > 3000:
-                wrong.append("not one short line on stderr")
-            if snapshot(folder) != before:
-                wrong.append("the folder has changed")
-        return f"{shown}: {'; '.join(wrong)}; stderr: {done.stderr[:300]!r}" if wrong else None
+    try:
+        done = subprocess.run([PROGRAM, *arguments], cwd=directory, capture_output=True, timeout=10, check=False,
+                              stdin=subprocess.DEVNULL, errors="replace", env={**os.environ, "TMPDIR": sessions})
+    except subprocess.TimeoutExpired:
+        return f"{shown}: still running after 10 s"
+    wrong = []
+    if done.returncode != code:
+        wrong.append(f"exit code {done.returncode} instead of {code}")
+    if code == 2:
+        if done.stdout:
+            wrong.append(f"on stdout: {done.stdout[:200]!r}")
+        if not re.fullmatch(r"trebsweep: [^\n]+\n", done.stderr) or len(done.stderr) > 3000:
+            wrong.append("not one short line on stderr")
+        if snapshot(directory) != before:
+            wrong.append("the directory has changed")
+    return f"{shown}: {'; '.join(wrong)}; stderr: {done.stderr[:300]!r}" if wrong else None
+
+
+def faults(cases):
+    """Runs the cases one after the other; those that may write files get a directory of their own."""
+    found = []
+    with tempfile.TemporaryDirectory() as shared, tempfile.TemporaryDirectory() as sessions:
+        fill(shared)
+        before = snapshot(shared)
+        for case in cases:
+            if case[1] == 2:
+                found.append(fault(case, shared, before, sessions))
+            else:
+                with tempfile.TemporaryDirectory() as own:
+                    fill(own)
+                    found.append(fault(case, own, before, sessions))
+    return [text for text in found if text]
 
 
 class OddInputs(unittest.TestCase):
     def test_each_ends_within_seconds_with_its_exit_code_and_without_harm(self):
-        inputs = cases()
-        self.assertGreaterEqual(len(inputs), 300)
+        kinds = [list(kind()) for kind in KINDS]
+        count = sum(map(len, kinds))
+        self.assertGreaterEqual(count, 300)
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            complaints = [text for text in pool.map(complaint, inputs) if text]
-        self.assertEqual(complaints, [], f"{len(complaints)} of {len(inputs)}:\n" + "\n".join(complaints))
+            found = sum(pool.map(faults, kinds), [])
+        self.assertEqual(found, [], f"{len(found)} of {count}:\n" + "\n".join(found))
 
 
 if __name__ == "__main__":
