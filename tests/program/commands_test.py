@@ -23,7 +23,8 @@ COARSE = ("--lattice.increment", "0.1")
 def wide_kernels():
     """Whether there are kernels for AVX2 and AVX-512, and the machine can run both."""
     with open("/proc/cpuinfo", encoding="utf-8") as file:
-        return "avx512dq" in file.read() and os.path.isdir(KERNELS)
+        return "avx512dq" in file.read() and all(os.path.isdir(os.path.join(KERNELS, level))
+                                                 for level in ("x86-64-v3", "x86-64-v4"))
 
 
 class CommandTest(DirectoryTest):
