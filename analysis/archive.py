@@ -24,7 +24,7 @@ def reading(path, what):
 
 
 def open_file(path):
-    """Opens the HDF5 file at `path` for reading; ends the program if there is none."""
+    """Opens the HDF5 file at `path` for reading; exits with a message if it cannot be read."""
     if not os.path.isfile(path):
         fail(f"{path}: {'is a directory, not a file' if os.path.isdir(path) else 'no such file'}")
     with reading(path, "cannot be opened as an HDF5 file"):

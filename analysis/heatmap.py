@@ -94,8 +94,8 @@ def main():
     parser = Parser(__doc__)
     parser.add_argument("archive", metavar="ARCHIVE",
                         help="archive of a sweep, complete or partial")
-    parser.add_argument("--field", help="the map to draw (default: speed, or the first map if "
-                        "there is none); `trebsweep sweep --help` lists the fields")
+    parser.add_argument("--field", help="the map to draw (default: speed, or the first map "
+                        "without a speed map); `trebsweep sweep --help` lists the fields")
     for axis in AXES:
         parser.add_argument(f"--{axis}", type=float, metavar="M",
                             help=f"draw the plane at this {axis} in m (default: the best design's)")

@@ -17,10 +17,10 @@ std::vector<MapInfo> map_infos(const Output& output);
 
 /// The root attributes of a new archive. The result_attributes() are included with placeholders,
 /// which the complete sweep overwrites. `replaces` is the file_identity() of the archive that it
-/// will replace, empty if there is none.
+/// will replace, or empty.
 Attributes root_attributes(const Job& job, const std::string& history, const std::string& replaces);
 
-/// The root attributes that hold the results of a sweep; NaN for the optimum if there is none.
+/// The root attributes that hold the results of a sweep; NaN without an optimum.
 Attributes result_attributes(const Summary& summary);
 
 }  // namespace trebsweep
