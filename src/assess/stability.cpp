@@ -152,7 +152,7 @@ Growth growth(const std::string& stepper, const Scene& scene, const Design<doubl
   const Motion<double> motion(scene, design);
   const Mechanism<double> mechanism(scene, design);
   const State<double> hanging{boost::math::double_constants::pi, 0, 0, 0};
-  const Eigen::EigenSolver<Jacobian<Effects{}>> modes(jacobian(motion, hanging));
+  const Eigen::EigenSolver<Eigen::MatrixXd> modes(jacobian(motion, hanging));
   Eigen::Index fastest = 0;
   modes.eigenvalues().imag().maxCoeff(&fastest);
   const Complex eigenvalue = modes.eigenvalues()[fastest];

@@ -7,6 +7,15 @@
 #include "trebsweep/swing/swing.hpp"
 
 namespace trebsweep {
+namespace {
+
+/// Of matrices of any size: fixed sizes would give the same numbers and take long to compile.
+std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix, false);
+  return {solver.eigenvalues().begin(), solver.eigenvalues().end()};
+}
+
+}  // namespace
 
 std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, Solver solver) {
   solver.stepper = "rosenbrock4";
@@ -18,8 +27,7 @@ std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, 
     const auto add = [&](double h, const State<double, E>& x) {
       const Jacobian<E> j = jacobian(motion, x);
       if (!j.allFinite()) return;
-      const auto eigenvalues = Eigen::EigenSolver<Jacobian<E>>(j, false).eigenvalues();
-      spectra.push_back({h, {eigenvalues.begin(), eigenvalues.end()}});
+      spectra.push_back({h, eigenvalues(j)});
     };
     const auto observe = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
       if (spectra.empty()) add(0, from.x);
