@@ -73,7 +73,7 @@ struct Sixteenths {
 ///
 /// Argument reduction x = n pi/8 + r with pi/8 in two parts (Cody and Waite), polynomials in r, and
 /// the angle-sum formulas with a table over n. The polynomials are minimax approximations for
-/// |r| <= pi/16; pack_test measures their error in quad precision.
+/// |r| <= pi/16; pack_test measures their error.
 [[gnu::always_inline]] inline SinCos<Register> sin_cos(Register x) {
   const auto c = [](double value) { return broadcast(value); };
   // Adding 1.5 2^52 rounds to an integer, which is then in the lowest bits.
