@@ -14,8 +14,8 @@
 namespace trebsweep {
 namespace {
 
-/// The fastest design of a lattice, found by integrating all of it at a tolerance of 1e-7; nothing
-/// if the lattice has more than a million designs, or no release. Collective.
+/// The fastest design of a lattice, found by integrating every design with dopri5 at a tolerance of
+/// 1e-7; nothing if the lattice has more than a million designs, or no release. Collective.
 std::optional<Design<double>> optimum(const Job& job, const Lattice& lattice, MPI_Comm comm) {
   if (lattice.designs() > 1'000'000) return std::nullopt;
   const auto designs = all_designs(lattice);

@@ -149,7 +149,7 @@ TEST_CASE("The message about a job file name that is not a valid archive name na
   CHECK(parse_job("", "#1.cfg", {{"output.file", "a.h5"}}).output.file == "a.h5");
 }
 
-TEST_CASE("A target error resources the tolerance of an adaptive stepper") {
+TEST_CASE("A target error replaces the tolerance of an adaptive stepper") {
   const std::string text = to_text(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n"));
   CHECK(to_text(parse(text)) == text);
   CHECK(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n").solver.target_error == 1e-6);

@@ -56,8 +56,8 @@ std::vector<std::string> names() {
 }  // namespace
 
 TEST_CASE(
-    "Every stepper finds the physical outcome of extreme scenes, or a status that explains why "
-    "not") {
+    "Every adaptive stepper finds the physical outcome of extreme scenes; no stepper invents a "
+    "release") {
   CHECK(names().size() == 29);
   for (const std::string& name : names()) {
     const Job job = extreme(name);

@@ -221,9 +221,9 @@ TEST_CASE("A stiff sling loses the speed that corresponds to its elastic energy 
     Scene scene;
     scene.sling_stiffness = stiffness;
     const double expected = tension * tension / (2 * stiffness * scene.projectile_mass * rigid);
-    const double short_fall = rigid - shoot(scene, {})[0];
-    INFO(stiffness << " " << short_fall << " " << expected);
-    CHECK(short_fall / expected == Approx(1).margin(stiffness < 1e6 ? 0.15 : 0.06));
+    const double shortfall = rigid - shoot(scene, {})[0];
+    INFO(stiffness << " " << shortfall << " " << expected);
+    CHECK(shortfall / expected == Approx(1).margin(stiffness < 1e6 ? 0.15 : 0.06));
   }
 }
 

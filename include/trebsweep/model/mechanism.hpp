@@ -66,7 +66,7 @@ T elastic_tension(const T& stretch, const T& rate, const T& stiffness, const T& 
 template <class T>
 struct Loads {
   T projectile_tension;  ///< N: of the sling at the projectile; negative where a rigid sling would
-                         ///< have to push
+                         ///< be under compression
   T tip_tension;         ///< N: of the sling at the arm's tip
   T axle;                ///< N: force between axle and beam
   T beam_stress;  ///< Pa: bending stress at the fulcrum, at the surface of the throwing arm; its

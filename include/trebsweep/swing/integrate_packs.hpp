@@ -35,8 +35,8 @@ Work integrate_by(const Scene& scene, const Solver& solver, const Batch& batch) 
   return {lane_steps, evaluations(swings.stepper(), steps)};
 }
 
-/// Registers in a pack: the second hides the latencies of the first; a third would not fit into the
-/// first-level cache.
+/// Registers in a pack: the second hides the latencies of the first; a third would not fit in the
+/// L1 cache.
 inline constexpr std::size_t registers_per_pack = 2;
 
 /// integrate_packs() for one stepper. Instantiated in src/swing/kernel/, in one source per stepper,
