@@ -97,7 +97,7 @@ Table accuracy_table(const std::string& name, const std::vector<Measurement>& me
     return [=](const Measurement& m) { return m.accuracy.*member; };
   };
   add("scene", "", "scene", [](const Measurement& m) { return m.test_case->name; });
-  add("stepper", "", "stepper, and whether it uses the paper's release window",
+  add("stepper", "", "stepper; \"window\" if it uses the paper's release window",
       [](const Measurement& m) { return stepper_text(m.solver); });
   add("setting", "", "time step or tolerance",
       [](const Measurement& m) { return setting_text(m.solver); });
@@ -228,7 +228,7 @@ Table lattice_table(const Case& c, const std::optional<std::vector<LatticeMeasur
   add("relative_median", "1", "signed relative error, median", of(&LatticeError::median_relative));
   add("optimum_error", "m s-1", "signed error at the true optimum",
       of(&LatticeError::optimum_error));
-  add("different", "1", "designs with a release here but not in truth, or vice versa",
+  add("different", "1", "designs with a release here but not in the reference, or vice versa",
       of(&LatticeError::status_mismatches));
   add("best_speed", "m s-1", "the solver's largest speed", of(&LatticeError::best_speed)).digits =
       8;

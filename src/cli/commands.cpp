@@ -46,8 +46,8 @@ void print_stopped(const Summary& summary, bool overwrite) {
                summary.designs(), overwrite ? ", without --overwrite" : "");
   else
     fmt::print(stderr,
-               "trebsweep: stopped with 0 designs done, before the archive was created; the same "
-               "command continues the sweep, given more time\n");
+               "trebsweep: stopped before the archive was created; the same command starts the "
+               "sweep again\n");
 }
 
 void run_trace(const CommandLine& line) {
