@@ -54,8 +54,7 @@ void run_trace(const CommandLine& line) {
   const Job job = load_job(line.file, line.overrides);
   const Status status = trace(job, line.design, line.interval, stdout);
   if (status != Status::released)
-    fmt::print(stderr, "the swing ends without a release: {}\n",
-               status_names[static_cast<std::size_t>(status)]);
+    fmt::print(stderr, "the swing ends without a release: {}\n", name_of(status));
 }
 
 }  // namespace

@@ -16,7 +16,6 @@
 #include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/archive/summary.hpp"
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/base/number.hpp"
 #include "trebsweep/job/job.hpp"
 
 namespace trebsweep {

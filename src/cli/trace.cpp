@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "trebsweep/base/number.hpp"
+#include "trebsweep/base/error.hpp"
 #include "trebsweep/ode/advance.hpp"
 #include "trebsweep/swing/swing.hpp"
 

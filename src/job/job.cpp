@@ -8,7 +8,6 @@
 #include <iterator>
 
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/base/number.hpp"
 #include "trebsweep/job/config_file.hpp"
 #include "trebsweep/job/key.hpp"
 

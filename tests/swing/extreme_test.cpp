@@ -68,8 +68,8 @@ TEST_CASE(
       const double value = adaptive ? job.solver.tolerance : job.solver.time_step;
       const SwingResult result =
           integrate_one(job, solver_of(std::string(stepper), value, job.solver));
-      INFO(name << ", " << stepper << ": " << status_names[static_cast<std::size_t>(result.status)]
-                << " " << result.speed << " for " << truth.speed);
+      INFO(name << ", " << stepper << ": " << name_of(result.status) << " " << result.speed
+                << " for " << truth.speed);
       CHECK(result.steps <= job.solver.max_steps);
       CHECK(std::isnan(result.speed) == !has_speed(result.status));
       if (!is_released_in_truth(name)) CHECK_FALSE(has_speed(result.status));

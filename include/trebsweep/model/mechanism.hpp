@@ -202,7 +202,6 @@ class Mechanism {
   /// of a uniform square section (flexure formula, Gere and Goodno, Mechanics of Materials) under
   /// the bending moment M of sling, weight and inertia of the throwing arm at the fulcrum.
   Loads<T> loads(const X& x, const X& dxdt) const {
-    using std::abs;
     using std::sqrt;
     const auto& [r1, r3, r2] = design_;
     const T g(scene_.gravity), m3(scene_.projectile_mass), ms(scene_.sling_mass);

@@ -62,6 +62,8 @@ struct Design {
   T r1;  ///< the counterweight's arm
   T r3;  ///< the sling
   T r2;  ///< the throwing arm
+
+  friend bool operator==(const Design&, const Design&) = default;
 };
 
 }  // namespace trebsweep
