@@ -20,8 +20,6 @@ from archive import AXES, Archive, design_text, stem
 from maps import draw, finite_values, flag_colours, middle, scaled, shows, slices, views
 from picture import OUTPUT_HELP, check_output, labelled, readable_unit, save
 
-FIXED_STEPPERS = ("euler", "modified_midpoint", "rk4", "adams_bashforth_moulton")
-
 # Fields whose best value is the largest or the smallest; in others the star marks the fastest.
 LARGEST = ("kinetic_energy", "efficiency", "range", "least_sling_tension")
 SMALLEST = ("release_time", "steps", "stiffness", "peak_sling_tension", "peak_axle_load",
@@ -51,7 +49,7 @@ def title(archive, field):
     text = f"{archive.name()}: {archive.long_name(field)}"
     stepper = archive.job.get(("solver", "stepper"))
     if stepper:
-        key = "time-step" if stepper in FIXED_STEPPERS else "tolerance"
+        key = "time-step" if ("solver", "time-step") in archive.job else "tolerance"
         value = archive.job.get(("solver", key))
         unit = " s" if key == "time-step" else ""
         text += f" ({stepper}, {key.replace('-', ' ')} {value}{unit})" if value else f" ({stepper})"

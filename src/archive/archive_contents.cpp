@@ -53,9 +53,9 @@ void check_maps(hid_t file, const ArchiveContents& contents) {
 ArchiveContents read(const std::filesystem::path& path) {
   const hdf5::File file = untrusted::open(path);
   const double format = hdf5::read_number_attribute(file, "format_version");
-  if (format != archive_format)
+  if (format != format_version)
     throw std::runtime_error(
-        fmt::format("format_version is {}, this program reads {}", format, archive_format));
+        fmt::format("format_version is {}, this program reads {}", format, format_version));
   ArchiveContents contents;
   contents.job = untrusted::read_text(file, "job");
   contents.scene = untrusted::read_text(file, "scene");

@@ -75,7 +75,7 @@ std::string reached_limit(const fs::path& path) {
   if (!error && size >= size_limit()) return ", which has reached the file size limit (ulimit -f)";
   constexpr std::uintmax_t scarce = 1 << 16;
   const auto space = fs::space(path, error);
-  if (!error && space.available < scarce) return ", no space is left on its disk";
+  if (!error && space.available < scarce) return ", whose disk has no space left";
   return "";
 }
 

@@ -116,14 +116,15 @@ bool fill_uncompressed(const std::filesystem::path& path, const std::vector<MapI
   auto unfilled = unfilled_maps(file, maps, tiling.edge());
   std::size_t bytes_per_tile = 1;
   for (const UnfilledMap& map : unfilled) bytes_per_tile += map.empty.size();
-  constexpr std::uint64_t bytes_per_batch = std::uint64_t{16} << 20;
-  const std::uint64_t batch = std::max<std::uint64_t>(1, bytes_per_batch / bytes_per_tile);
+  constexpr std::uint64_t bytes_per_rank = std::uint64_t{16} << 20;
+  const std::uint64_t tiles_per_rank = std::max<std::uint64_t>(1, bytes_per_rank / bytes_per_tile);
   const std::uint64_t tiles = unfilled.empty() ? 0 : tiling.size();
-  for (std::uint64_t first = 0; first < tiles; first += batch * ranks) {
+  for (std::uint64_t first = 0; first < tiles; first += tiles_per_rank * ranks) {
     const bool stop = progress(fraction(first, tiles));
     if (mpi::max(stop ? 1 : 0, comm) > 0) return false;
     mpi::on_all(comm, [&] {
-      const std::uint64_t begin = first + rank * batch, end = std::min(begin + batch, tiles);
+      const std::uint64_t begin = first + rank * tiles_per_rank,
+                          end = std::min(begin + tiles_per_rank, tiles);
       for (std::uint64_t t = begin; t < end; ++t)
         for (const UnfilledMap& map : unfilled) write_chunk(map.map, tiling.tile(t), map.empty);
     });

@@ -6,7 +6,6 @@
 
 #include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/base/number.hpp"
 
 namespace trebsweep {
 

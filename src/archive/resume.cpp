@@ -50,7 +50,7 @@ auto read_or_explain(const std::filesystem::path& partial, F read) {
 [[noreturn]] void refuse_version(const std::filesystem::path& partial, const std::string& what,
                                  std::string_view there, std::string_view here) {
   throw std::runtime_error(
-      fmt::format("{} was started {} {}, this is {}: finish it there, or start again with "
+      fmt::format("{} was started {} {}; this is {}: finish it there, or start again with "
                   "--overwrite",
                   partial.string(), what, there, here));
 }

@@ -67,7 +67,7 @@ std::string to_text(const Summary& summary, OptimumFilter optimum_filter) {
   else
     text += fmt::format("optimum   none: nothing was released{}\n",
                         optimum_filter == OptimumFilter::taut ? " with a taut sling" : "");
-  text += fmt::format("steps     {}, lanes {:.1f} % at work\n", summary.steps,
+  text += fmt::format("steps     {}, lane utilisation {:.1f} %\n", summary.steps,
                       100 * summary.utilisation());
   return text + fmt::format("seconds   {:.2f} ({:.2f} integrating)", summary.sweep_seconds,
                             summary.integration_seconds);

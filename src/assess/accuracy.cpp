@@ -16,9 +16,9 @@ namespace {
 double run_time(const Scene& scene, const Solver& solver, std::span<const Design<double>> sample,
                 int repeats) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::size_t most_designs = 512;  // enough to keep the lanes full most of the time
-  constexpr double long_enough = 0.3;        // s: a run of this length need not be repeated
-  const std::size_t fewest_designs = is_for_packs(solver.stepper) ? 64 : 1;
+  constexpr std::size_t max_designs = 512;  // enough to keep the lanes full most of the time
+  constexpr double long_enough = 0.3;       // s: a run of this length need not be repeated
+  const std::size_t min_designs = is_for_packs(solver.stepper) ? 64 : 1;
   const auto seconds_per_design = [&](std::size_t count) {
     std::vector<Design<double>> designs;
     while (designs.size() < count) designs.insert(designs.end(), sample.begin(), sample.end());
@@ -28,11 +28,11 @@ double run_time(const Scene& scene, const Solver& solver, std::span<const Design
     return std::chrono::duration<double>(Clock::now() - start).count() /
            static_cast<double>(designs.size());
   };
-  const double first = seconds_per_design(fewest_designs);
-  if (first * static_cast<double>(fewest_designs) > long_enough) return first;
+  const double first = seconds_per_design(min_designs);
+  if (first * static_cast<double>(min_designs) > long_enough) return first;
   const auto count = static_cast<std::size_t>(std::clamp(long_enough / 10 / std::max(first, 1e-9),
-                                                         static_cast<double>(fewest_designs),
-                                                         static_cast<double>(most_designs)));
+                                                         static_cast<double>(min_designs),
+                                                         static_cast<double>(max_designs)));
   std::vector<double> runs;
   for (int i = 0; i < repeats; ++i) runs.push_back(seconds_per_design(count));
   return error_quantiles(std::move(runs)).median;

@@ -18,14 +18,12 @@ std::string setting_text(const Solver& solver) {
   return fmt::format("{:g}{}", setting(solver), follows_tolerance(solver.stepper) ? "" : " s");
 }
 
-std::string_view name_of(std::size_t status) { return status_names[status]; }
-
 /// "24 released, 1 step_budget"
 std::string statuses_text(const Accuracy& a) {
   std::string text;
   for (std::size_t s = 0; s < a.statuses.size(); ++s)
     if (a.statuses[s] > 0)
-      text += fmt::format("{}{:g} {}", text.empty() ? "" : ", ", a.statuses[s], name_of(s));
+      text += fmt::format("{}{:g} {}", text.empty() ? "" : ", ", a.statuses[s], status_names[s]);
   return text;
 }
 
@@ -35,13 +33,12 @@ std::string outcome_text(const Accuracy& a) {
   if (a.statuses[static_cast<std::size_t>(Status::released)] == 1 && a.status_mismatches == 0)
     return fmt::format("{:.0e} in {:.5g}", a.speed.largest, a.steps);
   const auto status = std::find(a.statuses.begin(), a.statuses.end(), 1) - a.statuses.begin();
-  const std::string_view name = name_of(static_cast<std::size_t>(status));
+  const std::string_view name = status_names[static_cast<std::size_t>(status)];
   return a.status_mismatches == 0 ? std::string(name) : fmt::format("({})", name);
 }
 
 std::string outcome_text(const Reference& r) {
-  return has_speed(r.status) ? fmt::format("{:.6g} m/s", r.speed)
-                             : std::string(name_of(static_cast<std::size_t>(r.status)));
+  return has_speed(r.status) ? fmt::format("{:.6g} m/s", r.speed) : std::string(name_of(r.status));
 }
 
 /// Adds the columns PREFIX_median, PREFIX_p95 and PREFIX_largest of the ErrorQuantiles f(item).
@@ -97,7 +94,7 @@ Table accuracy_table(const std::string& name, const std::vector<Measurement>& me
     return [=](const Measurement& m) { return m.accuracy.*member; };
   };
   add("scene", "", "scene", [](const Measurement& m) { return m.test_case->name; });
-  add("stepper", "", "stepper, and whether it uses the paper's release window",
+  add("stepper", "", "stepper; \"window\" if it uses the paper's release window",
       [](const Measurement& m) { return stepper_text(m.solver); });
   add("setting", "", "time step or tolerance",
       [](const Measurement& m) { return setting_text(m.solver); });
@@ -110,8 +107,8 @@ Table accuracy_table(const std::string& name, const std::vector<Measurement>& me
       [](const Measurement& m) { return statuses_text(m.accuracy); });
   for (std::size_t s = 1; s < status_names.size(); ++s)
     table
-        .add_column({std::string(name_of(s)), "1", "number of designs with this status"}, measured,
-                    [=](const Measurement& m) { return m.accuracy.statuses[s]; })
+        .add_column({std::string(status_names[s]), "1", "number of designs with this status"},
+                    measured, [=](const Measurement& m) { return m.accuracy.statuses[s]; })
         .printed = false;
   add("different", "1", "designs with a release here but not in the reference, or vice versa",
       of(&Accuracy::status_mismatches));
@@ -228,7 +225,7 @@ Table lattice_table(const Case& c, const std::optional<std::vector<LatticeMeasur
   add("relative_median", "1", "signed relative error, median", of(&LatticeError::median_relative));
   add("optimum_error", "m s-1", "signed error at the true optimum",
       of(&LatticeError::optimum_error));
-  add("different", "1", "designs with a release here but not in truth, or vice versa",
+  add("different", "1", "designs with a release here but not in the reference, or vice versa",
       of(&LatticeError::status_mismatches));
   add("best_speed", "m s-1", "the solver's largest speed", of(&LatticeError::best_speed)).digits =
       8;

@@ -20,7 +20,8 @@ std::size_t index_of_largest(const std::vector<double>& values) {
 
 LatticeSpeeds lattice_speeds(const Scene& scene, const Solver& solver,
                              const std::vector<Design<double>>& designs, MPI_Comm comm) {
-  // Dealt round-robin: slow designs are neighbours, so blocks would not balance.
+  // Assigned round-robin: neighbouring designs cost about the same, so contiguous blocks would be
+  // unbalanced.
   const auto rank = static_cast<std::size_t>(mpi::rank(comm));
   const auto ranks = static_cast<std::size_t>(mpi::size(comm));
   std::vector<Design<double>> own;

@@ -133,13 +133,13 @@ double error_of_steps(const std::string& stepper, const Scene& scene, const Desi
 
 double largest_usable_step(const std::string& stepper, const Scene& scene,
                            const Design<double>& design, const Reference& reference, double guess) {
-  constexpr double most_steps = 1e7;
+  constexpr double max_steps = 1e7;
   const auto time = static_cast<double>(reference.release_time);
   const double ratio = std::pow(2, 1.0 / 8);
   double usable = std::numeric_limits<double>::quiet_NaN();
   for (double h = std::min(guess / 4, time / 8); h < time; h *= ratio) {
     const double steps = std::ceil(time / h);
-    if (steps > most_steps ||
+    if (steps > max_steps ||
         error_of_steps(stepper, scene, design, reference, static_cast<std::uint64_t>(steps)) > 0.1)
       break;
     usable = time / steps;
@@ -183,12 +183,12 @@ double observed_order(const std::string& stepper, const Scene& scene,
   constexpr double asymptotic = 1e-3;
   // Twenty times that of one step; steppers for packs run in long double.
   const double rounding = is_for_packs(stepper) ? 1e-18 : 2e-15;
-  constexpr std::uint64_t most_steps = 1 << 15;
+  constexpr std::uint64_t max_steps = 1 << 15;
   std::vector<double> orders;
   for (std::size_t i = 0; i < designs.size(); ++i) {
     if (!has_speed(references[i].status)) continue;
     double order = std::numeric_limits<double>::quiet_NaN(), last = 1;
-    for (std::uint64_t steps = 4; steps <= most_steps; steps *= 2) {
+    for (std::uint64_t steps = 4; steps <= max_steps; steps *= 2) {
       const double error = error_of_steps(stepper, scene, designs[i], references[i], steps);
       if (error < rounding * static_cast<double>(steps)) break;
       if (last < asymptotic) order = std::log2(last / error);

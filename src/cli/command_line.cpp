@@ -92,7 +92,7 @@ Overrides overrides_of(const po::variables_map& given) {
   Overrides overrides;
   for (const Key& key : job_keys())
     if (given.count(key.name)) overrides[key.name] = text_of(given, key.name);
-  if (given.count(scene_file)) overrides[scene_file] = text_of(given, scene_file);
+  if (given.count(scene_file_key)) overrides[scene_file_key] = text_of(given, scene_file_key);
   return overrides;
 }
 

@@ -46,16 +46,15 @@ void print_stopped(const Summary& summary, bool overwrite) {
                summary.designs(), overwrite ? ", without --overwrite" : "");
   else
     fmt::print(stderr,
-               "trebsweep: stopped with 0 designs done, before the archive was created; the same "
-               "command continues the sweep, given more time\n");
+               "trebsweep: stopped before the archive was created; the same command starts the "
+               "sweep again\n");
 }
 
 void run_trace(const CommandLine& line) {
   const Job job = load_job(line.file, line.overrides);
   const Status status = trace(job, line.design, line.interval, stdout);
   if (status != Status::released)
-    fmt::print(stderr, "the swing ends without a release: {}\n",
-               status_names[static_cast<std::size_t>(status)]);
+    fmt::print(stderr, "the swing ends without a release: {}\n", name_of(status));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ the fulcrum. The columns are
   tip_tension  force of the sling on the tip of the throwing arm, N; differs from
                tension if the sling has mass
   axle         force on the axle, N
-  stress       bending stress of the beam at the fulcrum, Pa
+  stress       magnitude of the bending stress at the fulcrum, Pa
 
 )";
 

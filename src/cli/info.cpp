@@ -16,7 +16,6 @@
 #include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/archive/summary.hpp"
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/base/number.hpp"
 #include "trebsweep/job/job.hpp"
 
 namespace trebsweep {
@@ -41,7 +40,7 @@ std::string progress_text(const fs::path& given, const ArchiveContents& contents
                         100 * static_cast<double>(contents.tiles_done) /
                             static_cast<double>(std::max<std::uint64_t>(1, contents.tiles)));
   if (writer) return fmt::format("{}; being written by {}", progress, *writer);
-  if (partial) return progress + "; interrupted, the command of the sweep continues it";
+  if (partial) return progress + "; interrupted: run the command of the sweep again to continue it";
   return fmt::format("{}; to continue it, rename it to {}", progress, partial_path(path).string());
 }
 
@@ -91,8 +90,9 @@ std::string describe_archive(const fs::path& given) {
     const auto archived = read_archive_header(path);
     return archived && !archived->is_sweep ? describe_assessment(path) : describe_sweep(path);
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(fmt::format(
-        "{}: {}; not an archive of this format version, or damaged", path.string(), error.what()));
+    throw std::runtime_error(
+        fmt::format("{}: {}; not an archive of this format version, or a damaged one",
+                    path.string(), error.what()));
   }
 }
 

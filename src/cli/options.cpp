@@ -69,7 +69,7 @@ po::options_description key_options(Command command) {
     po::options_description group(fmt::format("Keys of [{}]", section), line_length,
                                   description_length);
     if (section == "scene")
-      group.add_options()(scene_file.c_str(), text("PATH"),
+      group.add_options()(scene_file_key.c_str(), text("PATH"),
                           "file with keys of [scene], which take precedence over the job file");
     for (const Key& key : job_keys()) {
       if (key.section() != section || !uses(command, key)) continue;

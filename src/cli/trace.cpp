@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "trebsweep/base/number.hpp"
+#include "trebsweep/base/error.hpp"
 #include "trebsweep/ode/advance.hpp"
 #include "trebsweep/swing/swing.hpp"
 
@@ -12,7 +12,7 @@ namespace trebsweep {
 namespace {
 
 constexpr double default_interval = 0.01;
-constexpr double most_rows = 1e7;
+constexpr double max_rows = 1e7;
 
 /// analysis/trajectory.py takes the ground and the flight from the comments.
 void print_header(const Job& job, std::FILE* out) {
@@ -94,11 +94,11 @@ Status trace(const Job& job, const Design<double>& design, std::optional<double>
     refuse("r1", fmt::format("{}", design.r1),
            fmt::format("at least |h - h0| = {:.6g} m, to hold the counterweight at its height",
                        std::abs(job.scene.release_height - job.scene.fulcrum_height)));
-  const double shortest = job.solver.max_time / most_rows;
+  const double shortest = job.solver.max_time / max_rows;
   if (interval && *interval < shortest)
     refuse(
         "interval", fmt::format("{}", *interval),
-        fmt::format("at least {:g} s, which makes {:g} rows up to max-time", shortest, most_rows));
+        fmt::format("at least {:g} s, which makes {:g} rows up to max-time", shortest, max_rows));
   return with_effects(job.scene, [&]<Effects E>() {
     if (!interval && follows_tolerance(job.solver.stepper)) interval = default_interval;
     Printer<E> printer(job, design, interval, out);

@@ -13,7 +13,6 @@
 #include <sstream>
 
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/base/number.hpp"
 
 namespace trebsweep {
 namespace {

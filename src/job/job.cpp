@@ -8,7 +8,6 @@
 #include <iterator>
 
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/base/number.hpp"
 #include "trebsweep/job/config_file.hpp"
 #include "trebsweep/job/key.hpp"
 
@@ -35,12 +34,12 @@ std::string key_of(const std::string& name) { return name.substr(name.find('.') 
                                fmt::join(job_sections, ", ")));
 }
 
-/// The values in the text of a job file, including scene_file.
+/// The values in the text of a job file, including scene.file.
 Values parse_values(const std::string& text, const std::string& name) {
   const Values values = parse_config(text, name);
   for (const auto& [given, value] : values) {
     const auto is_given = [&given = given](const Key& key) { return key.name == given; };
-    if (given != scene_file && std::none_of(job_keys().begin(), job_keys().end(), is_given))
+    if (given != scene_file_key && std::none_of(job_keys().begin(), job_keys().end(), is_given))
       refuse_unknown(given);
   }
   return values;
@@ -48,14 +47,15 @@ Values parse_values(const std::string& text, const std::string& name) {
 
 /// The values in a scene file.
 Values read_scene_file(const std::string& path) {
-  const Values values = parse_values(read_job_file(path, scene_file + " = "), path);
+  const Values values = parse_values(read_job_file(path, scene_file_key + " = "), path);
   for (const auto& [name, value] : values) {
-    if (name == scene_file)
-      refuse(scene_file, path,
+    if (name == scene_file_key)
+      refuse(scene_file_key, path,
              fmt::format("a file that does not name another scene file (file = {})",
                          shortened(value)));
     if (!name.starts_with("scene."))
-      refuse(scene_file, path, fmt::format("a file with keys of [scene] only, without {}", name));
+      refuse(scene_file_key, path,
+             fmt::format("a file with keys of [scene] only, without {}", name));
   }
   return values;
 }
@@ -129,9 +129,9 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
     add_missing(given, read_scene_file(path));
     job.scene_files.push_back(path);
   };
-  if (overrides.count(scene_file)) add_scene_file(overrides.at(scene_file));
+  if (overrides.count(scene_file_key)) add_scene_file(overrides.at(scene_file_key));
   add_missing(given, in_job);
-  if (in_job.count(scene_file)) add_scene_file(directory / in_job.at(scene_file));
+  if (in_job.count(scene_file_key)) add_scene_file(directory / in_job.at(scene_file_key));
   given.emplace("output.file", std::filesystem::path(name).stem().string() + ".h5");
 
   for (const Key& key : job_keys())

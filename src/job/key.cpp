@@ -123,7 +123,8 @@ const std::vector<Key>& job_keys() {
           "time after which a swing without a release ends with status not_released, s",
           number(positive), &Solver::max_time),
       key("solver.max-steps",
-          "steps tried, including rejected ones, after which a swing ends with status step_budget",
+          "maximum number of steps per swing, including rejected ones; a swing that needs more "
+          "ends with status step_budget",
           integer<std::uint64_t>(1, 1'000'000'000'000), &Solver::max_steps),
 
       key("output.file",

@@ -6,13 +6,6 @@
 namespace trebsweep {
 namespace {
 
-/// The number of designs along r2 at a value of r3.
-std::size_t row_length(const Lattice& lattice, std::size_t i3) {
-  std::size_t i2 = 0;
-  while (i2 < lattice.extent()[2] && lattice.holds({0, i3, i2})) ++i2;
-  return i2;
-}
-
 /// The corners of the triangular prism of designs; fewer than six if it is thin.
 std::set<Index3> corners(const Lattice& lattice) {
   const Index3 extent = lattice.extent();
@@ -21,7 +14,7 @@ std::set<Index3> corners(const Lattice& lattice) {
   std::set<Index3> indices;
   for (const std::size_t i1 : {std::size_t{0}, extent[0] - 1})
     for (const std::size_t i3 : {std::size_t{0}, last3})
-      for (const std::size_t i2 : {std::size_t{0}, row_length(lattice, i3) - 1})
+      for (const std::size_t i2 : {std::size_t{0}, lattice.row_length(i3) - 1})
         indices.insert({i1, i3, i2});
   return indices;
 }

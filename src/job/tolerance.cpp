@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/base/number.hpp"
 #include "trebsweep/job/sample.hpp"
 #include "trebsweep/swing/integrate.hpp"
 

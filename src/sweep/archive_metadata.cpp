@@ -61,7 +61,7 @@ Attributes result_attributes(const Summary& summary) {
 Attributes root_attributes(const Job& job, const std::string& history,
                            const std::string& replaces) {
   Attributes all = result_attributes(Summary{});
-  all.insert(all.end(), {{"format_version", archive_format},
+  all.insert(all.end(), {{"format_version", format_version},
                          {"Conventions", std::string("CF-1.10")},
                          {"title", "Trebuchet sweep " +
                                        std::filesystem::path(job.output.file).stem().string()},

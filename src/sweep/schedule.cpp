@@ -15,8 +15,8 @@ std::uint64_t tiles_along(const Index3& extent, const Index3& edge, std::size_t 
 }  // namespace
 
 Index3 tile_edge(const Index3& extent, double design_seconds) {
-  constexpr std::uint64_t many_tiles = 4096, most_cells = 48 * 48 * 48;
-  constexpr double most_seconds = 1;
+  constexpr std::uint64_t many_tiles = 4096, max_cells = 48 * 48 * 48;
+  constexpr double max_seconds = 1;
   Index3 edge;
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t longest = extent[d] > 2500 ? 64 : 48;
@@ -25,13 +25,13 @@ Index3 tile_edge(const Index3& extent, double design_seconds) {
   // On a flat or linear lattice, these edges give tiles of few cells: lengthen them.
   constexpr std::array<std::size_t, 3> axes{0, 1, 2};
   const auto along = [&](std::size_t axis) { return tiles_along(extent, edge, axis); };
-  while (along(0) * along(1) * along(2) > many_tiles && 2 * cells(edge) <= most_cells) {
+  while (along(0) * along(1) * along(2) > many_tiles && 2 * cells(edge) <= max_cells) {
     const std::size_t axis =
         *std::max_element(axes.begin(), axes.end(),
                           [&](std::size_t a, std::size_t b) { return along(a) < along(b); });
     edge[axis] = std::min(2 * edge[axis], extent[axis]);
   }
-  while (static_cast<double>(cells(edge)) * design_seconds > most_seconds && cells(edge) > 1) {
+  while (static_cast<double>(cells(edge)) * design_seconds > max_seconds && cells(edge) > 1) {
     auto& longest_edge = *std::max_element(edge.begin(), edge.end());
     longest_edge = (longest_edge + 1) / 2;
   }
@@ -69,10 +69,11 @@ std::uint64_t next_count(std::uint64_t count, double seconds, double target) {
                                  static_cast<std::uint64_t>(static_cast<double>(count) * factor));
 }
 
-std::uint64_t next_batch(std::uint64_t batch, double round_seconds, std::size_t bytes_per_tile) {
-  constexpr std::uint64_t most_bytes = 64 << 20;
-  const std::uint64_t most_tiles = std::max<std::uint64_t>(1, most_bytes / bytes_per_tile);
-  return std::min(next_count(batch, round_seconds, 2.0), most_tiles);
+std::uint64_t next_tiles_per_rank(std::uint64_t tiles_per_rank, double round_seconds,
+                                  std::size_t bytes_per_tile) {
+  constexpr std::uint64_t max_bytes = 64 << 20;
+  const std::uint64_t max_tiles = std::max<std::uint64_t>(1, max_bytes / bytes_per_tile);
+  return std::min(next_count(tiles_per_rank, round_seconds, 2.0), max_tiles);
 }
 
 }  // namespace trebsweep

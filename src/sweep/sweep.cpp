@@ -131,10 +131,10 @@ std::uint64_t run_rounds(const Context& context, const Tiling& tiling, const Sta
   Progress progress(designs_done, lattice.designs(), progress_style(context));
   const auto& [n1, n3, n2] = tiling.edge();
   const std::size_t bytes_per_tile = n1 * n3 * n2 * job.output.fields.size() * sizeof(double);
-  std::uint64_t next = start.tiles_done, batch = 1;
+  std::uint64_t next = start.tiles_done, tiles_per_rank = 1;
   double counted = start_time;  // tallies include the time up to here
   while (next < tiling.size()) {
-    const std::uint64_t end = std::min(next + batch * ranks, tiling.size());
+    const std::uint64_t end = std::min(next + tiles_per_rank * ranks, tiling.size());
     const auto assigned = assign_tiles(next, end, ranks, lattice, tiling);
     const double round_start = MPI_Wtime();
     auto computed = compute(assigned[rank], job, lattice, context.options.stop);
@@ -155,7 +155,7 @@ std::uint64_t run_rounds(const Context& context, const Tiling& tiling, const Sta
     counted = MPI_Wtime();
     archive.checkpoint(next, gather(assigned[rank], *computed, next, end, comm));
     for (; next < end; ++next) designs_done += lattice.designs_in(tiling.tile(next));
-    batch = next_batch(batch, round_seconds, bytes_per_tile);
+    tiles_per_rank = next_tiles_per_rank(tiles_per_rank, round_seconds, bytes_per_tile);
     progress.update(designs_done);
   }
   if (rank == 0) tally.sweep_seconds += MPI_Wtime() - counted;

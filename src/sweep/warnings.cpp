@@ -24,15 +24,9 @@ struct Check {
   Status status, accurate_status;
 };
 
-bool equal(const Design<double>& a, const Design<double>& b) {
-  return a.r1 == b.r1 && a.r3 == b.r3 && a.r2 == b.r2;
-}
-
 std::string text_of(const Design<double>& d) {
   return fmt::format("r1 = {}, r2 = {}, r3 = {} m", d.r1, d.r2, d.r3);
 }
-
-std::string_view name_of(Status status) { return status_names[static_cast<std::size_t>(status)]; }
 
 Index3 index_of(const Design<double>& design, const Lattice& lattice) {
   const auto index_along = [&](std::size_t axis, double value) {
@@ -119,13 +113,11 @@ std::vector<std::string> bounds_at(const Index3& index, const Job& job, const La
   };
   const LatticeSpec& spec = job.lattice;
   const bool is_raised = job.scene.release_height > job.scene.fulcrum_height;
-  std::size_t row = 0;
-  while (row < lattice.extent()[2] && lattice.holds({0, index[1], row})) ++row;
   const std::array<Axis, 3> axes{
       {{"r1", spec.r1, is_raised ? "h - h0 < r1 (47)" : "0 < r1", "r1 < h0 (47)",
         lattice.extent()[0]},
        {"r3", spec.r3, "lattice.shortest-sling", "r3 < h0 (48)", lattice.extent()[1]},
-       {"r2", spec.r2, "0 < r2 (49)", "r2 < h0 - r3 (49)", row}}};
+       {"r2", spec.r2, "0 < r2 (49)", "r2 < h0 - r3 (49)", lattice.row_length(index[1])}}};
   std::vector<std::string> bounds;
   for (std::size_t d = 0; d < 3; ++d) {
     const Axis& axis = axes[d];
@@ -175,7 +167,7 @@ std::string speed_warning(const std::vector<Check>& checks, const Optimum& optim
   for (const Check& c : checks) {
     const double error = std::abs(c.speed - c.accurate_speed);  // NaN if either has no release
     if (error > largest) largest = error;
-    if (equal(c.design, optimum.design)) at_optimum = error;
+    if (c.design == optimum.design) at_optimum = error;
   }
   if (!(largest > noticeable * optimum.speed)) return "";
   return fmt::format(
@@ -213,8 +205,7 @@ std::vector<std::string> warnings(const Job& job, const Lattice& lattice, const 
       add(fmt::format("the optimum lies on the edge of the lattice: {}", fmt::join(bounds, "; ")));
   }
   for (const auto& design : sample(lattice, 128))
-    if (std::none_of(designs.begin(), designs.end(),
-                     [&](const auto& d) { return equal(d, design); }))
+    if (std::find(designs.begin(), designs.end(), design) == designs.end())
       designs.push_back(design);
   const auto checks = check_within_a_second(job, designs, stop, comm);
   add(status_warning(checks, job.solver));

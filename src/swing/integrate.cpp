@@ -21,10 +21,7 @@ Work integrate_one_by_one(const Scene& scene, const Solver& solver, const Batch&
       const auto [designs, results, fields, values] = batch.slice(i, 1);
       std::ranges::fill(values, nan);
       const auto outcome = swing<E>(scene, designs[0], solver, {}, fields, values);
-      const bool released = has_speed(outcome.status);
-      results[0] = {released ? outcome.speed : nan, released ? outcome.t : nan, outcome.steps,
-                    outcome.status};
-      if (!released) std::ranges::fill(values, nan);
+      results[0] = result_of(outcome, values);
       work.lane_steps += outcome.steps;
       work.evaluations += outcome.evaluations;
     }

@@ -122,7 +122,7 @@ void print_lanes(const std::vector<Entry>& list, const std::vector<Design<double
   const bool limited = instruction_set().starts_with("AVX-512");
   const double operation = limited ? seconds_per_operation() / 8 : 0;
   fmt::print(
-      "\n| lanes | setting | steps tried per design | lanes at work | ns per step and lane | "
+      "\n| lanes | setting | steps tried per design | lane utilisation | ns per step and lane | "
       "limit | operations |\n|---|---|---|---|---|---|---|\n");
   std::vector<double> speeds(designs.size());
   for (const Entry& entry : list) {

@@ -60,7 +60,9 @@ Job accurate() {
 
 }  // namespace
 
-TEST_CASE("A trace starts with comments on heights and release, then the header t phi1 phi2 ...") {
+TEST_CASE(
+    "A trace starts with comments on gravity, fulcrum and release, then the header t phi1 phi2 "
+    "...") {
   const Table table = read_trace(paper());
   CHECK(table.header.starts_with("t phi1 phi2 "));
   CHECK(table.comments == std::vector<std::string>{"# gravity = 9.8", "# fulcrum-height = 1.5",

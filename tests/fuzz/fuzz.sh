@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # Fuzzes job files and archives with Clang's libFuzzer. Inputs that fail are kept in build/fuzz/found.
 #
-#   tests/fuzz/fuzz.sh [SECONDS]      for each of the two, default 300; needs clang++ with libFuzzer (Debian: clang) and a build (jobs/build.sh)
+#   tests/fuzz/fuzz.sh [SECONDS]      for each of the two, default 300
+#
+# Needs clang++ with libFuzzer (Debian: clang) and a build (jobs/build.sh).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds=${1:-300}

@@ -149,7 +149,7 @@ TEST_CASE("The message about a job file name that is not a valid archive name na
   CHECK(parse_job("", "#1.cfg", {{"output.file", "a.h5"}}).output.file == "a.h5");
 }
 
-TEST_CASE("A target error resources the tolerance of an adaptive stepper") {
+TEST_CASE("A target error replaces the tolerance of an adaptive stepper") {
   const std::string text = to_text(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n"));
   CHECK(to_text(parse(text)) == text);
   CHECK(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n").solver.target_error == 1e-6);
@@ -203,7 +203,7 @@ TEST_CASE("A scene key is taken from the first of the option, its file, the job 
     INFO(sources);
     Overrides overrides;
     if (sources & 1) overrides["scene.gravity"] = "1";
-    if (sources & 2) overrides[scene_file] = of_option.path;
+    if (sources & 2) overrides[scene_file_key] = of_option.path;
     std::string text = "[scene]\n";
     if (sources & 4) text += "gravity = 3\n";
     if (sources & 8) text += "file = job_test_job.cfg\n";
@@ -212,7 +212,7 @@ TEST_CASE("A scene key is taken from the first of the option, its file, the job 
   }
   // With all four sources, each key comes from the first source that sets it.
   const Job job = parse_job("[scene]\nfile = job_test_job.cfg\n" + own, TEST_DIR "/my.cfg",
-                            {{"scene.gravity", "1"}, {scene_file, of_option.path}});
+                            {{"scene.gravity", "1"}, {scene_file_key, of_option.path}});
   CHECK(job.scene.gravity == 1);
   CHECK(job.scene.sling_mass == 2);
   CHECK(job.scene.beam_side == 2);
@@ -226,7 +226,7 @@ TEST_CASE("scene_text names the scene files and the keys that differ from their 
   CHECK(scene_text(parse("[scene]\ngravity = 9.8\nprojectile-mass = 50\n")) ==
         "projectile-mass = 50");
   const SceneFile scene("job_test_scene.cfg", "sling-mass = 3\n");
-  CHECK(scene_text(parse("", {{scene_file, scene.path}})) ==
+  CHECK(scene_text(parse("", {{scene_file_key, scene.path}})) ==
         scene.path.string() + ": sling-mass = 3");
 }
 
@@ -238,11 +238,11 @@ TEST_CASE("solver_text names the step or tolerance and the release condition") {
 
 TEST_CASE("A scene file holds only keys of a scene, and names no other file") {
   const SceneFile nested("job_test_nested.cfg", "file = other.cfg\n");
-  CHECK_THROWS_WITH(parse("", {{scene_file, nested.path}}),
+  CHECK_THROWS_WITH(parse("", {{scene_file_key, nested.path}}),
                     contains("scene.file = " + nested.path.string() +
                              ": must be a file that does not name another scene file"));
   const SceneFile solver("job_test_solver.cfg", "[solver]\nstepper = rk4\n");
-  CHECK_THROWS_WITH(parse("", {{scene_file, solver.path}}),
+  CHECK_THROWS_WITH(parse("", {{scene_file_key, solver.path}}),
                     contains("scene.file") && contains("without solver.stepper"));
   CHECK_THROWS_WITH(parse("[scene]\nfile = nowhere.cfg\n"), contains("some/where/nowhere.cfg"));
 }

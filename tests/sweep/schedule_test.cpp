@@ -64,9 +64,9 @@ TEST_CASE("Every tile of a round is assigned to one rank, and loads differ by at
 }
 
 TEST_CASE("Rounds approach two seconds and stay within 64 MiB per rank") {
-  CHECK(next_batch(1, 0.1, 1000) == 8);  // grows at most eightfold
-  CHECK(next_batch(10, 4, 1000) == 5);
-  CHECK(next_batch(1, 100, 1000) == 1);
-  CHECK(next_batch(8, 0.1, 16 << 20) == 4);
-  CHECK(next_batch(1, 0.1, std::size_t{1} << 30) == 1);
+  CHECK(next_tiles_per_rank(1, 0.1, 1000) == 8);  // grows at most eightfold
+  CHECK(next_tiles_per_rank(10, 4, 1000) == 5);
+  CHECK(next_tiles_per_rank(1, 100, 1000) == 1);
+  CHECK(next_tiles_per_rank(8, 0.1, 16 << 20) == 4);
+  CHECK(next_tiles_per_rank(1, 0.1, std::size_t{1} << 30) == 1);
 }

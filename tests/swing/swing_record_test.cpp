@@ -26,8 +26,8 @@ Solver accurate(double tolerance) {
 }
 
 /// The values of some fields, and the outcome's speed last; by fehlberg78.
-std::vector<double> shoot(const Scene& scene, const std::vector<Field>& fields,
-                          double tolerance = 1e-10) {
+std::vector<double> values_of(const Scene& scene, const std::vector<Field>& fields,
+                              double tolerance = 1e-10) {
   std::vector<double> values(fields.size());
   const double speed = with_effects(scene, [&]<Effects E>() {
     return swing<E>(scene, optimum, accurate(tolerance), {}, fields, values).speed;
@@ -209,27 +209,28 @@ TEST_CASE("Energy and losses balance to the tolerance for every combination of e
         scene.pivot_viscosity = friction / 10;
         scene.sling_mass = mass;
         INFO(stiffness << " " << friction << " " << mass);
-        CHECK(std::abs(shoot(scene, {Field::energy_drift}, 1e-10)[0]) < 1e-8);
+        CHECK(std::abs(values_of(scene, {Field::energy_drift}, 1e-10)[0]) < 1e-8);
       }
 }
 
 TEST_CASE("A stiff sling loses the speed that corresponds to its elastic energy at the release") {
   // The elastic energy S^2/2k for the tension S at the release equals m3 v dv.
-  const double rigid = shoot(Scene{}, {})[0];
-  const double tension = shoot(Scene{}, {Field::peak_sling_tension})[0];  // largest at the release
+  const double rigid = values_of(Scene{}, {})[0];
+  const double tension =
+      values_of(Scene{}, {Field::peak_sling_tension})[0];  // largest at the release
   for (const double stiffness : {1e5, 1e6, 1e7}) {
     Scene scene;
     scene.sling_stiffness = stiffness;
     const double expected = tension * tension / (2 * stiffness * scene.projectile_mass * rigid);
-    const double short_fall = rigid - shoot(scene, {})[0];
-    INFO(stiffness << " " << short_fall << " " << expected);
-    CHECK(short_fall / expected == Approx(1).margin(stiffness < 1e6 ? 0.15 : 0.06));
+    const double shortfall = rigid - values_of(scene, {})[0];
+    INFO(stiffness << " " << shortfall << " " << expected);
+    CHECK(shortfall / expected == Approx(1).margin(stiffness < 1e6 ? 0.15 : 0.06));
   }
 }
 
 TEST_CASE("Fields at the release follow from the state") {
-  const auto v = shoot(Scene{}, {Field::sling_angle, Field::arm_rate, Field::sling_rate,
-                                 Field::kinetic_energy, Field::efficiency, Field::range});
+  const auto v = values_of(Scene{}, {Field::sling_angle, Field::arm_rate, Field::sling_rate,
+                                     Field::kinetic_energy, Field::efficiency, Field::range});
   const double speed = v.back(), g = 9.8;
   CHECK(v[3] == Approx(50 * speed * speed));
   // The arm is upright: velocity and position of the projectile from the angles.
@@ -273,10 +274,10 @@ TEST_CASE(
 }
 
 TEST_CASE("A sling under tension throughout is taut; one that would have to push is slack") {
-  CHECK(shoot(Scene{}, {Field::slack})[0] == 1);
+  CHECK(values_of(Scene{}, {Field::slack})[0] == 1);
   Scene scene;
   scene.sling_angle = 2.5;  // nearly upright next to the beam: the projectile falls freely at first
-  const auto values = shoot(scene, {Field::slack, Field::least_sling_tension});
+  const auto values = values_of(scene, {Field::slack, Field::least_sling_tension});
   CHECK(values[0] == 2);
   CHECK(values[1] < 0);
 }

@@ -15,7 +15,7 @@
 namespace trebsweep {
 
 /// The file format version, stored in the attribute format_version.
-inline constexpr unsigned long long archive_format = 3;
+inline constexpr unsigned long long format_version = 3;
 
 /// Number types of a map in the file.
 enum class MapType { float64, float32, uint8 };

@@ -7,7 +7,7 @@
 
 namespace trebsweep {
 
-/// What an archive of any kind and version is about.
+/// What can be read from an archive of any kind and format version.
 struct ArchiveHeader {
   std::string job;                          ///< text of the job file
   bool is_sweep;                            ///< otherwise it is an assessment

@@ -49,8 +49,8 @@
 namespace trebsweep {
 
 /// Creates the partial file, in which every cell has the fill value of its map, and replaces an
-/// existing one. At no time does an incomplete file have the name. The attributes are those of rank
-/// 0. Returns the id of this run on all ranks, or nothing if any rank was stopped. Throws
+/// existing one. No incomplete file ever has the name <path>.partial. The attributes are taken from
+/// rank 0. Returns the id of this run on all ranks, or nothing if any rank was stopped. Throws
 /// mpi::RootError, for example if there is not enough space. Leaves no file behind if it is stopped
 /// or throws. Collective.
 std::optional<RunId> create_partial(const std::filesystem::path& path, const Skeleton& skeleton,

@@ -32,8 +32,8 @@ auto read(const std::filesystem::path& path, F read_file) {
 
 hdf5::File open(const std::filesystem::path& path);
 
-/// Whether a text can be printed: a damaged one may hold control characters, which a terminal
-/// obeys.
+/// Whether a text can be printed. A damaged one may hold control characters, which a terminal would
+/// interpret.
 bool is_printable(const std::string& text);
 
 /// A text attribute. Throws std::runtime_error if it cannot be printed.

@@ -4,11 +4,11 @@
 
 namespace trebsweep {
 
-/// Median, 95th percentile and maximum of a sample. Each is an element of the sample (nearest rank,
-/// not interpolated); NaN for an empty sample.
+/// Median, 95th percentile and maximum of a sample of n numbers. Quantile p is the element with
+/// index round(p (n - 1)) in ascending order; no interpolation. NaN for an empty sample.
 struct ErrorQuantiles {
   double median;
-  double p95;  ///< 95 % of the errors are not larger
+  double p95;  ///< about 95 % of the errors are not larger
   double largest;
 };
 

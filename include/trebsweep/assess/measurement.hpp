@@ -68,7 +68,8 @@ struct OscillationGrowth {
   Growth growth;
 };
 
-inline constexpr double oscillation_time = 10;  ///< s
+inline constexpr double oscillation_time =
+    10;  ///< s: duration of the integrations of measure_growth()
 
 /// Measures each stepper with a stability function at the first and the last time step of the
 /// assessment. Nothing if the scene is dissipative or has an elastic sling.

@@ -11,18 +11,19 @@
 
 namespace trebsweep {
 
-/// Whether every step of the stepper applies the same function of h z to y' = z y. False for
-/// bulirsch_stoer, whose order varies, and adams_bashforth_moulton, whose steps use earlier ones.
+/// Whether every step of the stepper multiplies the solution of y' = z y by the same function of
+/// h z. False for bulirsch_stoer, whose order varies, and for adams_bashforth_moulton, a multistep
+/// method.
 bool has_stability_function(const std::string& stepper);
 
-/// The stability function R(z) of a stepper, evaluated by running it: a step of length 1 from
-/// y = 1 of y' = z y. Throws std::logic_error if the stepper has none.
+/// The stability function R(z) of a stepper, evaluated by taking a step: the result for y' = z y
+/// after a step of length 1 from y = 1. Throws std::logic_error if the stepper has none.
 std::complex<double> stability_function(const std::string& stepper, const std::complex<double>& z);
 
 /// The factor by which steps of length h (s) amplify an error along the swing, relative to the
-/// exact solution: the product over the swing of |R(h lambda)| / max(1, |exp(h lambda)|) of the
-/// most amplified eigenvalue lambda at each time. Only oscillating and decaying modes count; the
-/// factor is at least 1.
+/// exact solution: the product of |R(h lambda)| / max(1, |exp(h lambda)|) over the steps, where
+/// lambda is the eigenvalue for which the quotient is largest. Includes only oscillating and
+/// decaying modes, and only quotients above 1.
 double amplification(const std::string& stepper, const std::vector<Spectrum>& spectra, double h);
 
 /// The largest step (s) such that it and all shorter steps have an amplification() below 2;
@@ -35,27 +36,27 @@ double largest_stable_step(const std::string& stepper, const std::vector<Spectru
 double error_of_steps(const std::string& stepper, const Scene& scene, const Design<double>& design,
                       const Reference& reference, std::uint64_t steps);
 
-/// The largest step (s) such that it and the shorter steps tried, down to a quarter of `guess` (s),
-/// have an error_of_steps() of at most 10 %; NaN if the first one tried exceeds that.
+/// The largest step (s) tried such that it and all shorter ones tried have an error_of_steps() of
+/// at most 10 %. The first is a quarter of `guess` (s), or an eighth of the swing if that is
+/// shorter. NaN if the first fails, or needs more than 1e7 steps.
 double largest_usable_step(const std::string& stepper, const Scene& scene,
                            const Design<double>& design, const Reference& reference, double guess);
 
-/// Observed order of convergence with equal steps: the median over the designs with a release. For
-/// each design it is log2 of the ratio of the errors of the two finest steps, one half of the
-/// other, whose errors are above rounding. NaN if no design has such steps.
+/// Observed order of convergence with equal steps: the median over the designs with a release. The
+/// order of a design is log2 of the ratio of the errors of two steps, one twice as long as the
+/// other: the shortest two whose errors exceed rounding. NaN if no design has such steps.
 double observed_order(const std::string& stepper, const Scene& scene,
                       std::span<const Design<double>> designs,
                       std::span<const Reference> references);
 
-/// Amplification of a small oscillation about the hanging equilibrium. Its exact amplitude is
-/// constant.
+/// Growth of a small oscillation about the hanging equilibrium, whose exact amplitude is constant.
 struct Growth {
   double rate;       ///< angular frequency of the fastest mode, which oscillates; rad/s
   double predicted;  ///< growth factor of its amplitude according to the stability function
   double observed;   ///< growth factor of its amplitude, computed from the energy
 };
 
-/// Integrates over `time` (s) in steps of length h (s). For a rigid sling without friction.
+/// The growth over `time` (s) with steps of length h (s). For a rigid sling without friction.
 Growth growth(const std::string& stepper, const Scene& scene, const Design<double>& design,
               double h, double time);
 

@@ -39,16 +39,16 @@ Value from_root(Value value, MPI_Comm comm) {
   return value;
 }
 
-/// Reductions over all ranks, with the result on every rank.
+/// Reductions over all ranks, with the result on every rank; collective.
 double max(double value, MPI_Comm comm);
 std::uint64_t min(std::uint64_t value, MPI_Comm comm);
 double sum(double value, MPI_Comm comm);
 void sum(std::span<std::uint64_t> values, MPI_Comm comm);
 
-/// Element-wise sums on rank 0; on the other ranks `values` is unspecified afterwards.
+/// Element-wise sums on rank 0; on the other ranks `values` is unspecified afterwards. Collective.
 void sum_on_root(std::span<double> values, MPI_Comm comm);
 
-/// Returns f(0), ..., f(n - 1) on every rank; f(i) is computed by rank i % size.
+/// Returns f(0), ..., f(n - 1) on every rank; f(i) is computed by rank i % size. Collective.
 template <class F>
 auto share(std::size_t n, MPI_Comm comm, F f) {
   using Result = decltype(f(n));

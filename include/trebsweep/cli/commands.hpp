@@ -15,7 +15,8 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
 /// and mpi::RootError on all ranks.
 void run_assess(const CommandLine& line, const std::string& command);
 
-/// Runs a command that takes one process: help, version, info or trace. Throws InputError.
+/// Runs a command that takes one process: help, version, info or trace. Throws InputError, and
+/// std::runtime_error if an archive cannot be read.
 void run_serial(const CommandLine& line);
 
 }  // namespace trebsweep

@@ -60,7 +60,7 @@ struct Job {
   Assessment assess;
 };
 
-/// Values given on the command line, by key name, including scene_file.
+/// Values given on the command line, by key name, including scene.file.
 using Overrides = std::map<std::string, std::string>;
 
 /// Parses the text of a job file. `name` is the file's path: it appears in messages, its stem +

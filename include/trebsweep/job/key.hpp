@@ -32,6 +32,6 @@ const std::vector<Key>& job_keys();
 
 /// The key that names a scene file. A relative path starts at the job file's directory or, if given
 /// as an option, at the working directory. It is not a Key because a Job holds the scene itself.
-inline const std::string scene_file = "scene.file";
+inline const std::string scene_file_key = "scene.file";
 
 }  // namespace trebsweep

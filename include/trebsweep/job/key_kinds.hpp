@@ -31,7 +31,7 @@ struct KeyKind {
 
 KeyKind<double> number(const Range& range);
 
-/// A number that may be left out, when it is 0.
+/// A number that may be omitted; it is then 0.
 KeyKind<double> optional_number(const Range& range);
 
 /// An axis as first:last:step or as a single value, m.

@@ -52,6 +52,9 @@ class Lattice {
   /// Whether a cell of the box holds a design.
   bool holds(const Index3& i) const { return i[2] < row_length_[i[1]]; }
 
+  /// The number of designs along r2 at the r3 with index i3.
+  std::size_t row_length(std::size_t i3) const { return row_length_[i3]; }
+
   Design<double> design(const Index3& i) const {
     return {axes_[0][i[0]], axes_[1][i[1]], axes_[2][i[2]]};
   }

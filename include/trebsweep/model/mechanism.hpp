@@ -66,7 +66,7 @@ T elastic_tension(const T& stretch, const T& rate, const T& stiffness, const T& 
 template <class T>
 struct Loads {
   T projectile_tension;  ///< N: of the sling at the projectile; negative where a rigid sling would
-                         ///< have to push
+                         ///< be under compression
   T tip_tension;         ///< N: of the sling at the arm's tip
   T axle;                ///< N: force between axle and beam
   T beam_stress;  ///< Pa: bending stress at the fulcrum, at the surface of the throwing arm; its
@@ -202,7 +202,6 @@ class Mechanism {
   /// of a uniform square section (flexure formula, Gere and Goodno, Mechanics of Materials) under
   /// the bending moment M of sling, weight and inertia of the throwing arm at the fulcrum.
   Loads<T> loads(const X& x, const X& dxdt) const {
-    using std::abs;
     using std::sqrt;
     const auto& [r1, r3, r2] = design_;
     const T g(scene_.gravity), m3(scene_.projectile_mass), ms(scene_.sling_mass);

@@ -41,7 +41,7 @@ inline Effects effects(const Scene& scene) {
   return {scene.pivot_viscosity > 0 || scene.pivot_friction > 0, scene.sling_stiffness > 0};
 }
 
-/// Whether an effect dissipates energy.
+/// Whether a scene has an effect that dissipates energy.
 inline bool is_dissipative(const Scene& scene) {
   return scene.pivot_viscosity > 0 || scene.pivot_friction > 0 || scene.sling_damping > 0;
 }
@@ -62,6 +62,8 @@ struct Design {
   T r1;  ///< the counterweight's arm
   T r3;  ///< the sling
   T r2;  ///< the throwing arm
+
+  friend bool operator==(const Design&, const Design&) = default;
 };
 
 }  // namespace trebsweep

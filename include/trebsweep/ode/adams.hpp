@@ -7,9 +7,9 @@
 
 namespace trebsweep {
 
-/// Odeint's Adams-Bashforth-Moulton method with five steps. A step that does not start where the
-/// last one ended restarts the history. A step of another length, as event location takes it, is
-/// one of fehlberg78 and does not change the history.
+/// Odeint's five-step Adams-Bashforth-Moulton method. A step that does not start where the previous
+/// one ended restarts the history. A step of a different length, as event location needs, is taken
+/// by fehlberg78 and leaves the history unchanged.
 template <class T, Effects E = Effects{}>
 class AdamsBashforthMoulton {
  public:

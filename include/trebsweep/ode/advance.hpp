@@ -13,8 +13,8 @@ template <class T, Effects E>
 using Advance =
     std::function<Instant<T, E>(const Motion<T, E>& motion, const Instant<T, E>& from, const T& h)>;
 
-/// The solver's stepper; T is double, or long double for a stepper that also serves packs. Throws
-/// std::logic_error for another one in long double.
+/// The solver's stepper. T is double, or long double if the stepper supports packs; otherwise long
+/// double throws std::logic_error.
 template <class T, Effects E>
 Advance<T, E> make_advance(const Solver& solver);
 

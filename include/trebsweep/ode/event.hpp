@@ -33,9 +33,9 @@ T guess_release(const Instant<T, E>& from, const Instant<T, E>& to, const T& h) 
 /// the instant that the stepper itself reaches from `from` with a step of the right length.
 /// `to` may be a turning point, where w1 = 0.
 ///
-/// Root finding stops at a fraction of the step that is within sqrt(4500 eps) = 1e-6 of the root in
-/// double precision; the remainder is extrapolated linearly, with an error of the order of its
-/// square.
+/// Root finding stops within 1e-6 of the root (as a fraction of the step, in double precision:
+/// sqrt(4500 eps)). The rest is extrapolated linearly, with an error of the order of its square,
+/// 1e-12 of the step.
 template <class Stepper, class T, Effects E>
 Instant<T, E> release_between(Stepper& stepper, const Motion<T, E>& motion,
                               const Instant<T, E>& from, const Instant<T, E>& to) {

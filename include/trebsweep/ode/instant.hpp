@@ -6,7 +6,7 @@
 
 namespace trebsweep {
 
-/// The state of a swing at one time, with what the right-hand side makes of it.
+/// A time and the state of a swing at it, with the rates and the sines and cosines of the angles.
 template <class T, Effects E = Effects{}>
 struct Instant {
   T t;  ///< s

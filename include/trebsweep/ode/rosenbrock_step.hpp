@@ -10,7 +10,8 @@ namespace trebsweep {
 class RosenbrockStep {
  public:
   using Rates = std::function<void(const double* x, double* dxdt)>;
-  using Derivatives = std::function<void(const double* x, double* rows)>;  ///< n x n
+  using Derivatives =
+      std::function<void(const double* x, double* rows)>;  ///< the Jacobian, n x n, row by row
 
   explicit RosenbrockStep(std::size_t n);
   ~RosenbrockStep();

@@ -153,7 +153,8 @@ template <class Stepper, std::size_t R, Effects E>
   advance<Stepper, Pack<R>, E>(stepper, motion, from, h, to, error);
 }
 
-/// Calls f<Stepper>() with the stepper of that name, which must be for packs; Stepper<T, E>.
+/// Calls f.operator()<Stepper>() with the class template Stepper<T, E> of that name. Throws
+/// std::logic_error if the stepper does not support packs.
 template <class F>
 auto with_pack_stepper(std::string_view name, F&& f) {
   switch (info_of_stepper(name).id) {

@@ -22,13 +22,13 @@ enum class StepperId {
   rosenbrock4
 };
 
-/// What the program knows of a stepper without its type.
+/// Properties of a stepper that are known without its C++ type.
 struct StepperInfo {
   StepperId id;
-  std::string_view name;        ///< in job files
-  int order;                    ///< of convergence with steps of one length; 0: variable
-  bool follows_tolerance;       ///< else its steps have a fixed length
-  bool for_packs;               ///< integrates a design per SIMD lane; else one design at a time
+  std::string_view name;   ///< in job files
+  int order;               ///< of convergence with steps of one length; 0: variable
+  bool follows_tolerance;  ///< otherwise its steps have a fixed length
+  bool for_packs;          ///< integrates one design per SIMD lane; otherwise one design at a time
   bool has_stability_function;  ///< each step is the same function of the state and the step length
 };
 

@@ -7,7 +7,8 @@
 
 namespace trebsweep {
 
-/// Calls f<Stepper>() with the stepper of that name; Stepper<T, E>.
+/// Calls f.operator()<Stepper>() with the class template Stepper<T, E> of that name. Throws
+/// std::logic_error if it is unknown.
 template <class F>
 auto with_stepper(std::string_view name, F&& f) {
   switch (info_of_stepper(name).id) {

@@ -181,8 +181,8 @@ inline Pack<R> atan2(const Pack<R>& y, const Pack<R>& x) {
   return angle;
 }
 
-/// (a / b)^e with a relative error below 2 %, for step-size control. Both operands must be
-/// positive, finite and normal.
+/// (a / b)^e with a relative error below 2 % for positive normal operands, for step-size control. 0
+/// counts as 2^-1023; infinity, and NaN with a clear sign bit, count as at least 2^1024.
 template <std::size_t R>
 [[gnu::always_inline]] inline Pack<R> rough_power(const Pack<R>& a, const Pack<R>& b, double e) {
   // The bits of a positive double, read as an integer, are a piecewise linear function of its log2.

@@ -32,9 +32,10 @@ std::vector<std::vector<NumberedTile>> assign_tiles(std::uint64_t first, std::ui
 /// are unreliable.
 std::uint64_t next_count(std::uint64_t count, double seconds, double target);
 
-/// The number of tiles per rank in the next round, if the last round had `batch` and took
+/// The number of tiles per rank in the next round, if the last round had `tiles_per_rank` and took
 /// `round_seconds`: rounds of about two seconds, which make the cost of writing and checkpointing
 /// small and lose little work when a run is killed; at most 64 MiB of maps in memory.
-std::uint64_t next_batch(std::uint64_t batch, double round_seconds, std::size_t bytes_per_tile);
+std::uint64_t next_tiles_per_rank(std::uint64_t tiles_per_rank, double round_seconds,
+                                  std::size_t bytes_per_tile);
 
 }  // namespace trebsweep

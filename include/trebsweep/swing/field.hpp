@@ -103,6 +103,5 @@ inline constexpr std::array<std::string_view, 3> slack_names{"no_shot", "taut", 
 
 inline constexpr bool is_basic(Field field) { return info(field).kind == FieldKind::result; }
 inline constexpr bool is_separate(Field field) { return info(field).kind == FieldKind::separate; }
-inline constexpr bool is_load(Field field) { return info(field).kind == FieldKind::load; }
 
 }  // namespace trebsweep

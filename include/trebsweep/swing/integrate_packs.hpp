@@ -11,9 +11,8 @@ namespace trebsweep {
 /// Integrates a batch with a stepper, a pack type T and effects chosen at compile time.
 template <class Stepper, class T, Effects E>
 Work integrate_by(const Scene& scene, const Solver& solver, const Batch& batch) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const auto& [designs, results, fields, values] = batch;
-  std::fill(values.begin(), values.end(), nan);
+  std::ranges::fill(values, std::numeric_limits<double>::quiet_NaN());
   std::size_t at = 0;
   const auto next = [&, &designs = designs](Design<double>& design) {
     if (at == designs.size()) return false;
@@ -23,11 +22,8 @@ Work integrate_by(const Scene& scene, const Solver& solver, const Batch& batch) 
   std::uint64_t steps = 0;
   const auto done = [&, &results = results, &fields = fields, &values = values](
                         std::uint64_t index, const auto& outcome) {
-    const bool released = has_speed(outcome.status);
     steps += outcome.steps;
-    results[index] = {released ? outcome.speed : nan, released ? outcome.t : nan, outcome.steps,
-                      outcome.status};
-    if (!released) std::ranges::fill(values.subspan(index * fields.size(), fields.size()), nan);
+    results[index] = result_of(outcome, values.subspan(index * fields.size(), fields.size()));
   };
   Swings<Stepper, T, E, decltype(next), decltype(done)> swings(scene, solver, fields, values, next,
                                                                done);
@@ -35,8 +31,8 @@ Work integrate_by(const Scene& scene, const Solver& solver, const Batch& batch) 
   return {lane_steps, evaluations(swings.stepper(), steps)};
 }
 
-/// Registers in a pack: the second hides the latencies of the first; a third would not fit into the
-/// first-level cache.
+/// Registers in a pack: the second hides the latencies of the first; a third would not fit in the
+/// L1 cache.
 inline constexpr std::size_t registers_per_pack = 2;
 
 /// integrate_packs() for one stepper. Instantiated in src/swing/kernel/, in one source per stepper,

@@ -43,7 +43,7 @@ auto outcome_of(Status status, const Instant<T, E>& at, std::size_t lane,
   return outcome;
 }
 
-/// The latest time (s) that does not exceed max-time; times of fixed steps, n h, are rounded.
+/// max-time (s) with an allowance for rounding: the times of fixed steps, n h, are rounded.
 template <class Number>
 Number latest_time(const Solver& solver) {
   return Number(solver.max_time) * Number(1 + 4 * std::numeric_limits<double>::epsilon());

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
+#include <span>
 
 #include "trebsweep/model/state.hpp"
+#include "trebsweep/swing/batch.hpp"
 #include "trebsweep/swing/status.hpp"
 
 namespace trebsweep {
@@ -17,5 +21,15 @@ struct Outcome {
   std::uint64_t steps;            ///< accepted and rejected
   std::uint64_t evaluations = 0;  ///< of the right-hand side; set for single swings only
 };
+
+/// The result of a swing. Without a release, its speed and time are NaN, and `values`, which belong
+/// to its fields, are set to NaN.
+template <Effects E>
+SwingResult result_of(const Outcome<double, E>& outcome, std::span<double> values) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  if (has_speed(outcome.status)) return {outcome.speed, outcome.t, outcome.steps, outcome.status};
+  std::ranges::fill(values, nan);
+  return {nan, nan, outcome.steps, outcome.status};
+}
 
 }  // namespace trebsweep

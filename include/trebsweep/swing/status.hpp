@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -27,5 +28,9 @@ inline constexpr bool has_speed(Status status) {
 inline constexpr std::array<std::string_view, 8> status_names{
     "outside_lattice", "released",       "not_released", "unreachable_start",
     "step_budget",     "step_underflow", "non_finite",   "released_below_ground"};
+
+inline constexpr std::string_view name_of(Status status) {
+  return status_names[static_cast<std::size_t>(status)];
+}
 
 }  // namespace trebsweep

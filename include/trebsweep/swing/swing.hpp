@@ -10,7 +10,8 @@
 
 namespace trebsweep {
 
-/// Called after every accepted step with its ends; the last step ends at the release.
+/// Called with the ends of every accepted step, except the last one of a swing without a release.
+/// The last step of a released swing ends at the release.
 template <Effects E>
 using Observer = std::function<void(const Instant<double, E>& from, const Instant<double, E>& to)>;
 

@@ -23,8 +23,9 @@ struct NullObserver {
 /// next(design) sets the next design, or returns false after the last one. done(index, outcome)
 /// receives the outcomes in any order; designs are numbered in the order of next(). If design n has
 /// a release, values[n * fields.size() + i] is set to fields[i], none of which may be in
-/// SwingResult. observe(from, to) is called after every accepted step, the last one ending at the
-/// release; it requires a T with one lane.
+/// SwingResult. observe(from, to) requires a T with one lane. It is called with the ends of every
+/// accepted step, except the last one of a swing without a release; the last step of a released
+/// swing ends at the release.
 template <class Stepper, class T, Effects E, class Next, class Done, class Observe = NullObserver>
 class Swings {
  public:

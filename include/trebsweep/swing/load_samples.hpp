@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <type_traits>
+
+#include "trebsweep/model/mechanism.hpp"
+#include "trebsweep/ode/interpolation.hpp"
+#include "trebsweep/ode/stepper.hpp"
+
+namespace trebsweep {
+
+/// Whether loads within a step are those of the interpolated motion, which is much cheaper than
+/// integrating to each node. Not for implicit steppers, since the forces of a stiff scene amplify
+/// errors of the state, nor for fixed-step methods, whose steps may be inaccurate.
+template <class Stepper>
+inline constexpr bool is_interpolated =
+    is_adaptive<Stepper> &&
+    !std::is_same_v<typename Stepper::stepper_category, odeint::error_stepper_tag>;
+
+/// Nodes within a step: those of Gauss-Lobatto quadrature with six nodes, which keep the error of
+/// the interpolating polynomial small.
+inline constexpr std::array<double, 6> load_nodes{
+    0, 0.11747233803526763, 0.3573842417596774, 0.6426157582403226, 0.8825276619647324, 1};
+
+template <class T>
+using LoadSamples = std::array<Loads<T>, load_nodes.size()>;
+
+/// The loads at the nodes of a step of length h, for the interpolated motion. Not inlined: all
+/// adaptive steppers share the code.
+template <class T, Effects E>
+[[gnu::noinline]] LoadSamples<T> interpolated_loads(const Motion<T, E>& motion,
+                                                    const Mechanism<T, E>& mechanism,
+                                                    const Instant<T, E>& from,
+                                                    const Instant<T, E>& to, const T& h) {
+  const Quintic<T, E> between(from, to, h);
+  LoadSamples<T> loads;
+  for (std::size_t i = 1; i + 1 < load_nodes.size(); ++i) {
+    const Instant<T, E> at = instant(motion, T(0), between(load_nodes[i]));
+    loads[i] = mechanism.loads(at.x, at.dxdt);
+  }
+  loads.front() = mechanism.loads(from.x, from.dxdt);
+  loads.back() = mechanism.loads(to.x, to.dxdt);
+  return loads;
+}
+
+/// The same, where the stepper itself integrates to the nodes.
+template <class Stepper, class T, Effects E>
+LoadSamples<T> integrated_loads(Stepper& stepper, const Motion<T, E>& motion,
+                                const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
+                                const Instant<T, E>& to, const T& h) {
+  LoadSamples<T> loads;
+  for (std::size_t i = 1; i + 1 < load_nodes.size(); ++i) {
+    Instant<T, E> at;
+    State<T, E> error;
+    advance(stepper, motion, from, T(T(load_nodes[i]) * h), at, error);
+    loads[i] = mechanism.loads(at.x, at.dxdt);
+  }
+  loads.front() = mechanism.loads(from.x, from.dxdt);
+  loads.back() = mechanism.loads(to.x, to.dxdt);
+  return loads;
+}
+
+}  // namespace trebsweep
