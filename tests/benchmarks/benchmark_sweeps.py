@@ -51,7 +51,7 @@ def main():
     plain = statistics.median(serial)
     print(f"The paper's algorithm on one core: {plain:.2f} s (median of {rounds})\n")
     print("| sweep | ranks | integration, s | x the paper's | with writing, s | x the paper's | "
-          "writing | lanes in use | parallel efficiency |\n|---|---|---|---|---|---|---|---|---|")
+          "writing | lane utilisation | efficiency |\n|---|---|---|---|---|---|---|---|---|")
     for (job, options, ranks), values in times.items():
         integration, whole, lanes = (statistics.median(column) for column in zip(*values))
         alone = statistics.median(value[0] for value in times[job, options, 1])
