@@ -29,11 +29,11 @@ class ReleaseQueue {
             const Instant<T, E>& to) {
     copy_lane<T>(pending_.design, size_, state.design, lane);
     copy_lane<T>(pending_.to, size_, to, lane);
-    if (lanes == 1 || request_.any() || solver_.release == Release::crossing) {
+    if (lanes == 1 || recording_ || solver_.release == Release::crossing) {
       copy_lane<T>(pending_.motion, size_, state.motion, lane);
       copy_lane<T>(pending_.from, size_, from, lane);
     }
-    if (request_.any()) copy_lane<T>(pending_.record, size_, record, lane);
+    if (recording_) copy_lane<T>(pending_.record, size_, record, lane);
     index_[size_] = index;
     steps_[size_] = steps;
     ++size_;
@@ -76,7 +76,7 @@ class ReleaseQueue {
   void write_fields(Stepper& stepper, const Mechanism<T, E>& mechanism) {
     if (fields_.empty()) return;
     auto& [design, motion, from, to, record] = pending_;
-    if (request_.any())
+    if (recording_)
       record = record_step(record, request_, stepper, solver_.tolerance, motion, mechanism, from,
                            to, T(to.t - from.t));
     for (std::size_t f = 0; f < fields_.size(); ++f) {
@@ -91,6 +91,7 @@ class ReleaseQueue {
   const std::span<const Field> fields_;
   const std::span<double> values_;
   const RecordRequest request_;
+  const bool recording_ = request_.any();
   const bool ranging_ = std::count(fields_.begin(), fields_.end(), Field::range) > 0;
   const Number latest_ = latest_time<Number>(solver_);
 

@@ -87,7 +87,7 @@ class Swings {
     if constexpr (lanes == 1) {
       if (ended == 0) observe_(at_step(from, 1), at_step(to, 0));
     }
-    if (request_.any()) record(from, to, lanes_.h);
+    if (recording_) record(from, to, lanes_.h);
     return ended;
   }
 
@@ -118,7 +118,7 @@ class Swings {
       for (std::size_t i = 0; i < 4; ++i) to.at[i] = select(good, to.at[i], from.at[i]);
     }
     // The recorded step of a rejected lane has zero length.
-    if (request_.any()) record(from, to, T(to.t - from.t));
+    if (recording_) record(from, to, T(to.t - from.t));
     return ended;
   }
 
@@ -284,7 +284,7 @@ class Swings {
       return;
     }
     owner_[lane] = {starts_.pop(lane, lanes_, now_[steps_taken_ % 2]), steps_taken_};
-    if (request_.any()) copy_lane<T>(record_, lane, SwingRecord<T>(), 0);
+    if (recording_) copy_lane<T>(record_, lane, SwingRecord<T>(), 0);
     next_step_check_ = std::min(next_step_check_, steps_taken_ + step_limit_);
     active_ |= LaneMask{1} << lane;
   }
@@ -301,6 +301,7 @@ class Swings {
   const Scene scene_;
   const Solver solver_;
   const RecordRequest request_;
+  const bool recording_ = request_.any();
   Next next_;
   Done done_;
   Observe observe_;
