@@ -232,7 +232,7 @@ class Kills(ResumeTest):
 class Stops(ResumeTest):
     def assert_stopped(self, launcher, errors):
         self.assertEqual(launcher.returncode, 75, errors)
-        self.assert_reported_once(errors, "the same command continues")
+        self.assert_reported_once(errors, "; the same command")
         self.assertFalse(os.path.exists(self.path("job.h5.lock")))
 
     @staticmethod
@@ -268,7 +268,7 @@ class Stops(ResumeTest):
         def after(launcher, errors):
             self.assertIn(launcher.returncode, (1, 75), errors)
             if "trebsweep: " in errors:
-                self.assert_reported_once(errors, "the same command continues")
+                self.assert_reported_once(errors, "; the same command")
         for number in (signal.SIGTERM, signal.SIGINT):
             self.stop(lambda launcher, ranks, number=number: launcher.send_signal(number),
                       after=after, **default)
