@@ -48,8 +48,7 @@ def report(a, b, field):
           f"largest {factor * size.max():.6g} {unit}".rstrip())
     if (y != 0).any():
         relative = 100 * difference[y != 0] / y[y != 0]
-        print(f"relative  median {np.median(relative):+.4g} % "
-              f"(absolute value {np.median(np.abs(relative)):.4g} %), "
+        print(f"relative  median {np.median(relative):+.4g} %, median magnitude {np.median(np.abs(relative)):.4g} %, "
               f"largest {np.abs(relative).max():.4g} %")
     worst = np.argmax(size)
     factor, unit = readable_unit(a.unit(field), max(abs(x[worst]), abs(y[worst])))

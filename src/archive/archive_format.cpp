@@ -18,8 +18,8 @@ std::string dataset_name(Field field) {
 }
 
 std::string history_line(const std::string& command, std::uint64_t ranks) {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {} ({} ranks)", fmt::gmtime(std::time(nullptr)),
-                     command, ranks);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ} {} ({} {})", fmt::gmtime(std::time(nullptr)), command,
+                     ranks, ranks == 1 ? "rank" : "ranks");
 }
 
 void write_attributes(hid_t file, const Attributes& attributes) {

@@ -106,7 +106,7 @@ void check(const Job& job, const Values& given) {
   check_used(given, solver);
   if (solver.target_error > 0 && given.count("solver.tolerance") > 0)
     refuse("solver.target-error", fmt::format("{}", solver.target_error),
-           "given without solver.tolerance, because it determines the tolerance");
+           "given without solver.tolerance, which it determines");
   if (job.scene.sling_damping > 0 && job.scene.sling_stiffness == 0)
     refuse("scene.sling-damping", fmt::format("{}", job.scene.sling_damping),
            "0 unless scene.sling-stiffness is above 0: a rigid sling does not stretch");
