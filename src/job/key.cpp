@@ -58,7 +58,9 @@ const std::vector<Key>& job_keys() {
           number(physical), &Scene::counterweight_mass),
       key("scene.projectile-mass", "mass m3 of the projectile, kg",
           number(physical), &Scene::projectile_mass),
-      key("scene.release-height", "height h of the counterweight above the ground at the start (not at the projectile's release), m",
+      key("scene.release-height",
+          "height h of the counterweight above the ground at the start (not at the projectile's "
+          "release), m",
           number(physical), &Scene::release_height),
       key("scene.fulcrum-height", "height h0 of the fulcrum above the ground, m",
           number(physical), &Scene::fulcrum_height),
