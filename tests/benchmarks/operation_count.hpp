@@ -98,7 +98,7 @@ int operations_per_step() {
   Stepper stepper;
   advance(stepper, Motion<Counted>(), from, Counted(), to, error);
   std::vector<Counted> results{to.t};
-  for (const auto& part : {to.x, to.at, to.dxdt})
+  for (const auto& part : {to.x, to.directions, to.dxdt})
     results.insert(results.end(), part.begin(), part.end());
   if constexpr (is_adaptive<Stepper>) {
     const auto ratio = error_ratio(from, to, error, Counted(), 1e-9);

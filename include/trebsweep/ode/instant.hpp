@@ -11,7 +11,7 @@ template <class T, Effects E = Effects{}>
 struct Instant {
   T t;  ///< s
   State<T, E> x;
-  Directions<T> at;  ///< sines and cosines of the angles in x
+  Directions<T> directions;  ///< sines and cosines of the angles in x
   State<T, E> dxdt;
 };
 
@@ -20,7 +20,7 @@ template <class T, Effects E>
 Instant<T, E> instant(const Motion<T, E>& motion, const std::type_identity_t<T>& t,
                       const State<T, E>& x) {
   Instant<T, E> now{t, x, directions(x), {}};
-  motion.rates(now.x, now.at, now.dxdt);
+  motion.rates(now.x, now.directions, now.dxdt);
   return now;
 }
 

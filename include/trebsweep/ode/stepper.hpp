@@ -121,8 +121,8 @@ void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& 
     };
     ExtendedState<T, E> start, start_rates, end, end_rates, difference;
     for (std::size_t i = 0; i < n; ++i) start[i] = from.x[i];
-    for (std::size_t i = 0; i < 4; ++i) start[n + i] = from.at[i];
-    extend_rates(from.dxdt, from.at, h, start_rates);
+    for (std::size_t i = 0; i < 4; ++i) start[n + i] = from.directions[i];
+    extend_rates(from.dxdt, from.directions, h, start_rates);
     if constexpr (std::is_same_v<typename Stepper::stepper_category,
                                  odeint::explicit_error_stepper_fsal_tag>) {
       stepper.do_step(system, start, start_rates, Number(0), end, end_rates, Number(1), difference);
@@ -135,11 +135,11 @@ void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& 
       to.dxdt[i] = dxdt[i];
       error[i] = difference[i];
     }
-    for (std::size_t i = 0; i < 4; ++i) to.at[i] = end[n + i];
+    for (std::size_t i = 0; i < 4; ++i) to.directions[i] = end[n + i];
   } else {
     stepper.do_step(std::cref(motion), from.x, from.dxdt, from.t, to.x, h);
-    to.at = directions(to.x);
-    motion.rates(to.x, to.at, to.dxdt);
+    to.directions = directions(to.x);
+    motion.rates(to.x, to.directions, to.dxdt);
   }
 }
 

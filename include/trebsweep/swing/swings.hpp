@@ -115,7 +115,8 @@ class Swings {
         to.x[i] = select(good, to.x[i], from.x[i]);
         to.dxdt[i] = select(good, to.dxdt[i], from.dxdt[i]);
       }
-      for (std::size_t i = 0; i < 4; ++i) to.at[i] = select(good, to.at[i], from.at[i]);
+      for (std::size_t i = 0; i < 4; ++i)
+        to.directions[i] = select(good, to.directions[i], from.directions[i]);
     }
     // The recorded step of a rejected lane has zero length.
     if (recording_) record(from, to, T(to.t - from.t));
@@ -269,7 +270,7 @@ class Swings {
     Instant turn = to;
     if constexpr (adaptive) turn = turn_between(stepper_, lanes_.motion, from, to);
     turn.x[w1] = T(0);
-    lanes_.motion.rates(turn.x, turn.at, turn.dxdt);
+    lanes_.motion.rates(turn.x, turn.directions, turn.dxdt);
     for (; mask != 0; mask &= mask - 1) copy_lane<T>(to, first_lane(mask), turn, first_lane(mask));
   }
 
