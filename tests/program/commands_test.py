@@ -180,7 +180,7 @@ class AccurateByDefault(CommandTest):
 
 class Scale(CommandTest):
     def test_an_axis_of_millions_of_values_makes_progress_within_seconds(self):
-        command = ["sweep", self.job, "--lattice.r1", "0.6", "--lattice.r3", "0.58", "--lattice.r2", "0.1:0.3999999:1e-7",
+        command = ["sweep", self.job, "--lattice.r1", "0.6", "--lattice.r3", "0.58", "--lattice.r2", "0.1:0.9999999:1e-7",
                    "--solver.stepper", "fehlberg78", "--time-limit", "4"]
         done = 0
         while not os.path.exists(self.path("job.h5")):

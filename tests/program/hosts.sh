@@ -76,7 +76,7 @@ PYTHON
 echo "ok: a rank on each of ${hosts[*]}"
 
 job=$directory/job.cfg
-printf '[lattice]\nincrement = 0.006\n[solver]\nstepper = dopri5\ntolerance = 1e-9\n' >"$job"
+printf '[lattice]\nincrement = 0.005\n[solver]\nstepper = dopri5\ntolerance = 1e-9\n' >"$job"
 "$program" sweep "$job" --output.file "$directory/alone.h5" --progress none >"$directory/log"
 before=$(sent "${hosts[2]}")
 sweep 3 6 "$directory/three.h5"

@@ -290,7 +290,7 @@ class Stops(ResumeTest):
 
     def test_slow_designs_do_not_delay_a_stop(self):
         launcher = self.launch_slow(2)
-        self.strike_when_up(launcher, lambda _, ranks: time.sleep(0.5))
+        self.strike_when_up(launcher, lambda _, ranks: time.sleep(1))
         start = time.time()
         launcher.send_signal(signal.SIGUSR1)
         self.assert_stopped(launcher, self.finish(launcher, codes=(75,)))
@@ -305,14 +305,14 @@ class Stops(ResumeTest):
         for options in (self.LARGE, self.MANY_TILES, (*self.LARGE, "--overwrite")):
             launcher = self.launch(2, *options)
             self.wait_for("job.h5.partial.new", launcher)
-            time.sleep(0.2)
+            time.sleep(1)
             start = time.time()
             launcher.send_signal(signal.SIGUSR1)
             errors = self.finish(launcher, codes=(75,))
             self.assertLess(time.time() - start, 5)
             self.assert_reported_once(errors, "before the archive was created; the same command starts")
             self.assertNotIn("without --overwrite", errors)
-            errors = self.run_sweep(2, *options, "--time-limit", "0.3", codes=(75,))
+            errors = self.run_sweep(2, *options, "--time-limit", "1", codes=(75,))
             self.assertEqual(self.leftovers(), [])
 
 
