@@ -1,6 +1,8 @@
 #pragma once
 
+#ifdef __x86_64__
 #include <immintrin.h>
+#endif
 
 #include <bit>
 #include <cstddef>
@@ -12,7 +14,8 @@ namespace trebsweep {
 // multiply-add for AVX-512, so that maps would differ between AVX2 and AVX-512;
 // std::experimental::simd computes it element by element.
 
-// Only the preprocessor knows the instruction set.
+// Only the preprocessor knows the instruction set. Without AVX2, and on other processors,
+// operations that the vector extensions lack are written lane by lane; compilers combine the lanes.
 #if defined(__AVX512F__)
 inline constexpr std::size_t register_lanes = 8;
 #elif defined(__AVX2__)
@@ -21,20 +24,29 @@ inline constexpr std::size_t register_lanes = 4;
 inline constexpr std::size_t register_lanes = 2;
 #endif
 
+/// Whether fma() is fused, that is, rounded once. It is on every target except baseline x86-64.
+#if defined(__x86_64__) && !defined(__FMA__)
+inline constexpr bool has_fused_multiply_add = false;
+#else
+inline constexpr bool has_fused_multiply_add = true;
+#endif
+
 /// A register of doubles, and one of 64-bit integers.
 using Register = double __attribute__((vector_size(8 * register_lanes)));
 using Bits = std::int64_t __attribute__((vector_size(8 * register_lanes)));
 
 [[gnu::always_inline]] inline Register broadcast(double x) { return Register{} + x; }
 
-/// a b + c, rounded once where the instruction set has a fused multiply-add.
+/// a b + c, rounded once if has_fused_multiply_add.
 [[gnu::always_inline]] inline Register fma(Register a, Register b, Register c) {
 #if defined(__AVX512F__)
   return _mm512_fmadd_pd(a, b, c);
-#elif defined(__FMA__)
+#elif defined(__AVX2__)
   return _mm256_fmadd_pd(a, b, c);
 #else
-  return a * b + c;
+  if constexpr (!has_fused_multiply_add) return a * b + c;
+  // In this form GCC makes one vector instruction of it.
+  return Register{__builtin_fma(a[0], b[0], c[0]), __builtin_fma(a[1], b[1], c[1])};
 #endif
 }
 
@@ -44,7 +56,8 @@ using Bits = std::int64_t __attribute__((vector_size(8 * register_lanes)));
 #elif defined(__AVX2__)
   return _mm256_sqrt_pd(x);
 #else
-  return _mm_sqrt_pd(x);
+  for (std::size_t i = 0; i < register_lanes; ++i) x[i] = __builtin_sqrt(x[i]);
+  return x;
 #endif
 }
 
@@ -75,7 +88,9 @@ using Bits = std::int64_t __attribute__((vector_size(8 * register_lanes)));
 #elif defined(__AVX2__)
   return static_cast<std::uint32_t>(_mm256_movemask_pd(std::bit_cast<__m256d>(x)));
 #else
-  return static_cast<std::uint32_t>(_mm_movemask_pd(std::bit_cast<__m128d>(x)));
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < register_lanes; ++i) bits |= std::uint32_t{x[i] < 0} << i;
+  return bits;
 #endif
 }
 

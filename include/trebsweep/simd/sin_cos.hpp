@@ -21,8 +21,6 @@ SinCos<T> sin_cos(const T& x) {
   return {sin(x), cos(x)};
 }
 
-#if defined(__FMA__)
-
 /// Sines and cosines of n pi/8, rounded to double.
 struct Sixteenths {
   static constexpr double s1 = 0x1.87de2a6aea963p-2;  // sin(pi/8)
@@ -42,7 +40,7 @@ struct Sixteenths {
                                   _mm512_load_pd(table.data() + 8));
   };
   return {look_up(Sixteenths::sin), look_up(Sixteenths::cos)};
-#else
+#elif defined(__AVX2__)
   // Tables of 32-bit words for n < 8, because a gather is many times slower; n >= 8 changes the
   // sign.
   constexpr auto words = [](const std::array<double, 16>& table, int shift) {
@@ -65,6 +63,14 @@ struct Sixteenths {
     return std::bit_cast<Register>(size ^ sign);
   };
   return {value(0), value(2)};
+#else
+  SinCos<Register> a;
+  for (std::size_t lane = 0; lane < register_lanes; ++lane) {
+    const auto i = static_cast<std::size_t>(n[lane] & 15);
+    a.sin[lane] = Sixteenths::sin[i];
+    a.cos[lane] = Sixteenths::cos[i];
+  }
+  return a;
 #endif
 }
 
@@ -75,6 +81,14 @@ struct Sixteenths {
 /// the angle-sum formulas with a table over n. The polynomials are minimax approximations for
 /// |r| <= pi/16; pack_test measures their error.
 [[gnu::always_inline]] inline SinCos<Register> sin_cos(Register x) {
+  if constexpr (!has_fused_multiply_add) {  // the C library is as fast then
+    SinCos<Register> a;
+    for (std::size_t lane = 0; lane < register_lanes; ++lane) {
+      a.sin[lane] = std::sin(x[lane]);
+      a.cos[lane] = std::cos(x[lane]);
+    }
+    return a;
+  }
   const auto c = [](double value) { return broadcast(value); };
   // Adding 1.5 2^52 rounds to an integer, which is then in the lowest bits.
   const Register shift = c(0x1.8p52);
@@ -95,21 +109,6 @@ struct Sixteenths {
   const auto [S, C] = sin_cos_of_sixteenths(std::bit_cast<Bits>(shifted));
   return {S + fma(C, s, S * k), C + fma(-S, s, C * k)};
 }
-
-#else
-
-/// Sine and cosine of a register, lane by lane: without a fused multiply-add, the C library is as
-/// fast.
-[[gnu::always_inline]] inline SinCos<Register> sin_cos(Register x) {
-  SinCos<Register> a;
-  for (std::size_t lane = 0; lane < register_lanes; ++lane) {
-    a.sin[lane] = std::sin(x[lane]);
-    a.cos[lane] = std::cos(x[lane]);
-  }
-  return a;
-}
-
-#endif
 
 template <std::size_t R>
 [[gnu::always_inline]] inline SinCos<Pack<R>> sin_cos(const Pack<R>& x) {

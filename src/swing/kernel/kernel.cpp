@@ -15,13 +15,14 @@ extern template Work integrate_packs_by<Dopri5>(const Scene&, const Solver&, con
 extern template Work integrate_packs_by<Fehlberg78>(const Scene&, const Solver&, const Batch&);
 
 [[gnu::visibility("default")]] std::string_view instruction_set() {
+  if (!has_fused_multiply_add) return "baseline (2 lanes)";
   switch (register_lanes) {
     case 8:
       return "AVX-512 (8 lanes)";
     case 4:
       return "AVX2 with FMA (4 lanes)";
     default:
-      return "baseline (2 lanes)";
+      return "generic with FMA (2 lanes)";
   }
 }
 
