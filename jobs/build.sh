@@ -11,7 +11,6 @@ options=(-DTREBSWEEP_TESTS=OFF) # other cached options are kept, which avoids a 
 if [[ ${1:-} == --tests ]]; then
   options=(-DTREBSWEEP_TESTS=ON -DTREBSWEEP_WERROR=ON -DTREBSWEEP_INSTRUCTION_SETS=all)
   packages+=(catch2 libgsl-dev libsundials-dev python3-h5netcdf python3-netcdf4 python3-xarray)
-  [[ $(uname -m) != x86_64 ]] || packages+=(g++-aarch64-linux-gnu qemu-user) # compares the results with those on ARM
 fi
 
 install_missing() {
