@@ -11,7 +11,7 @@ Jacobian<E> jacobian(const Motion<double, E>& motion, const State<double, E>& x)
   std::array<Dual, coordinates<E>> dual, rates;
   for (int i = 0; i < n; ++i)
     dual[static_cast<std::size_t>(i)] = Dual(x[static_cast<std::size_t>(i)], n, i);
-  motion.rates(dual, directions(dual), rates);
+  motion.template rates<Dual>(dual, directions(dual), rates);
   Jacobian<E> derivatives;
   for (int i = 0; i < n; ++i)
     derivatives.row(i) = rates[static_cast<std::size_t>(i)].derivatives().transpose();

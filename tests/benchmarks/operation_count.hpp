@@ -54,7 +54,7 @@ struct Counted {
   friend Counted operator-(const Counted& c, const Product& p) { return fused(p, c); }
   friend Counted operator+(const Product& p, const Product& q) { return fused(q, p); }
   friend Counted operator-(const Product& p, const Product& q) { return fused(q, p); }
-  friend Counted operator/(const Counted&, const Counted&) { return {}; }  // only of constants
+  friend Counted operator/(const Counted& a, const Counted& b) { return {3, {a, b}}; }
   Counted& operator+=(const Counted& b) { return *this = *this + b; }
   Counted& operator+=(const Product& b) { return *this = *this + b; }
   // Masks are counted like numbers.
@@ -66,7 +66,6 @@ struct Counted {
   }
   friend Counted abs(const Counted& a) { return {1, {a}}; }
   // Counted by hand from pack.hpp and sin_cos.hpp, for AVX-512.
-  friend Counted quotient(const Counted& a, const Counted& b) { return {10, {a, b}}; }
   friend Counted rough_power(const Counted& a, const Counted& b, double) { return {22, {a, b}}; }
   friend SinCos<Counted> sin_cos(const Counted& x) {
     const Counted both(26, {x});

@@ -83,16 +83,6 @@ TEST_CASE("Sine and cosine are NaN if the argument is not finite") {
   }
 }
 
-TEST_CASE("A quotient is correctly rounded") {
-  std::mt19937_64 random(2);
-  std::uniform_real_distribution<double> exponent(-200, 200), fraction(1, 2);
-  for (int i = 0; i < 1000000; ++i) {
-    const double a = std::ldexp(fraction(random), static_cast<int>(exponent(random)));
-    const double b = std::ldexp(fraction(random), static_cast<int>(exponent(random)));
-    if (quotient(One(a), One(b))[0] != a / b) FAIL(a << " / " << b);
-  }
-}
-
 TEST_CASE("A rough power has a relative error below 2 %") {
   for (double a = 1e-12; a < 1e12; a *= 1.37)
     for (const double e : {-0.2, -0.125, 1.0 / 9})

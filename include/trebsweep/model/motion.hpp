@@ -57,7 +57,23 @@ class Motion {
       sling_ = {inertia / scale, r3 / T(T(ratio) * r2), T(ratio) * r2 / r3};
     }
     if constexpr (E.pivot)
-      pivot_ = {T(scene.pivot_viscosity) / scale, T(scene.pivot_friction) / scale};
+      pivot_ = {T(scene.pivot_viscosity) / scale, T(scene.pivot_friction) / scale, T(1e9)};
+  }
+
+  /// The same motion with the time in units of h seconds: rates of x are multiplied by h,
+  /// accelerations by h^2.
+  Motion in_units_of(const T& h) const {
+    const T hh = h * h;
+    Motion scaled = *this;
+    scaled.g_r2_ = g_r2_ * hh;
+    scaled.torque_ = torque_ * hh;
+    if constexpr (E.elastic) {
+      scaled.sling_.stiffness = sling_.stiffness * hh;
+      scaled.sling_.damping = sling_.damping * h;
+    }
+    if constexpr (E.pivot)
+      scaled.pivot_ = {T(pivot_.viscosity * h), T(pivot_.friction * hh), T(pivot_.start * h)};
+    return scaled;
   }
 
   /// The right-hand side: rates of x, with the accelerations of (40) and (36).
@@ -67,18 +83,19 @@ class Motion {
 
   /// The same from the sines and cosines of the angles; the angles in x are not used. X is T, or a
   /// dual number over T.
-  template <class X>
+  template <class X = T>
   void rates(std::span<const std::type_identity_t<X>, coordinates<E>> x,
              std::span<const std::type_identity_t<X>, 4> at,
-             std::array<X, coordinates<E>>& dxdt) const {
+             std::span<std::type_identity_t<X>, coordinates<E>> dxdt) const {
     // Sine and cosine of D by the addition theorems.
     const X sinD = at[sin1] * at[cos2] - at[cos1] * at[sin2];
     const X cosD = at[cos1] * at[cos2] + at[sin1] * at[sin2];
-    const X w1w1 = x[w1] * x[w1];
     const X weight = g_r2_ * at[sin2];
     dxdt[phi1] = x[w1];
     dxdt[phi2] = x[w2];
     if constexpr (E.elastic) {
+      const X per_length = X(1) / x[length];
+      const X w1w1 = x[w1] * x[w1];
       const X tension = elastic_tension(X(x[length] - sling_.r3), x[stretching],
                                         X(sling_.stiffness), X(sling_.damping));
       const X torque = torque_ * at[sin1] - sling_.arm_inertia * tension * sinD;
@@ -87,17 +104,22 @@ class Motion {
       const X along = g_r2_ * at[cos2] + X(w1w1 * cosD + acceleration1 * sinD);
       const X twice = X(2) * x[stretching];
       dxdt[w1] = acceleration1;
-      dxdt[w2] = quotient(X(sling_.arm * across - twice * x[w2]), x[length]);
+      dxdt[w2] = X(sling_.arm * across - twice * x[w2]) * per_length;
       dxdt[length] = x[stretching];
       dxdt[stretching] =
           sling_.arm * along + X(x[length] * x[w2] * x[w2] - tension * sling_.per_mass);
     } else {
-      const X whirl = w1w1 * cosD + sling_.r3_r2 * x[w2] * x[w2];
-      const X numerator = torque_ * at[sin1] + X(weight * cosD - sinD * whirl);
-      const X acceleration1 =
-          quotient(with_friction(numerator, x[w1]), X(sinD * sinD + sling_.inertia));
+      // The order of operations shortens the path from the rates to the accelerations, which the
+      // stages of a stepper have to follow one after the other. In particular, the division
+      // depends on the angles only.
+      const X per_inertia = X(1) / X(sinD * sinD + sling_.inertia);
+      const X gravity = torque_ * at[sin1] + weight * cosD;
+      const X whirl1 = X(sinD * cosD) * x[w1], whirl2 = X(sling_.r3_r2 * sinD) * x[w2];
+      const X torque = X(gravity - whirl1 * x[w1]) - whirl2 * x[w2];
+      const X acceleration1 = with_friction(torque, x[w1]) * per_inertia;
+      const X rest = sling_.r2_r3 * X(x[w1] * x[w1] * sinD - weight);
       dxdt[w1] = acceleration1;
-      dxdt[w2] = X(X(w1w1 * sinD - weight) - acceleration1 * cosD) * sling_.r2_r3;
+      dxdt[w2] = rest - acceleration1 * X(sling_.r2_r3 * cosD);
     }
   }
 
@@ -110,7 +132,7 @@ class Motion {
       const X viscous = torque - pivot_.viscosity * rate;
       // The sign of the rate decides, unless the rate is below what the torque causes in 1 ns:
       // fehlberg78 has stages that return to a start at rest up to rounding errors.
-      const X driving = X(1e9) * rate + viscous;
+      const X driving = X(pivot_.start) * rate + viscous;
       const X most(pivot_.friction), least(-pivot_.friction);
       const X dry = select(driving < most, select(driving > least, driving, least), most);
       return viscous - dry;
@@ -132,6 +154,7 @@ class Motion {
   };
   struct Friction {
     T viscosity, friction;
+    T start;  // 1/s
   };
   struct None {};
 

@@ -17,6 +17,11 @@ enum Coordinate : std::size_t { phi1, phi2, w1, w2, length, stretching };
 template <Effects E>
 inline constexpr std::size_t coordinates = E.elastic ? 6 : 4;
 
+/// Whether a coordinate is the rate of another one.
+constexpr bool is_rate(std::size_t coordinate) {
+  return coordinate == w1 || coordinate == w2 || coordinate == stretching;
+}
+
 template <class T, Effects E = Effects{}>
 using State = std::array<T, coordinates<E>>;
 

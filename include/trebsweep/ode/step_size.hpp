@@ -41,6 +41,7 @@ template <class T, Effects E>
   ErrorRatio<T> largest = larger(larger(ratio(phi1), ratio(phi2)), larger(ratio(w1), ratio(w2)));
   if constexpr (E.elastic) largest = larger(largest, larger(ratio(length), ratio(stretching)));
   T sum = 0;
+#pragma GCC unroll 8
   for (std::size_t i = 0; i < coordinates<E>; ++i) sum += T(T(to.x[i] + to.dxdt[i]) + error[i]);
   const T nan = std::numeric_limits<Number>::quiet_NaN();
   return {select(is_finite_sum(sum), largest.error, nan), T(tolerance) * largest.allowed};

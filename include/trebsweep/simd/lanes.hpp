@@ -17,11 +17,6 @@ T select(bool m, const T& yes, const T& no) {
 }
 
 template <class T>
-T quotient(const T& a, const T& b) {
-  return a / b;
-}
-
-template <class T>
 T rough_power(const T& a, const T& b, double e) {
   using std::pow;
   return pow(T(a / b), T(e));

@@ -147,15 +147,6 @@ template <std::size_t R>
   return c;
 }
 
-/// a / b for operands known only at run time. For constants use the operator, which the compiler
-/// can evaluate.
-template <std::size_t R>
-[[gnu::always_inline]] inline Pack<R> quotient(const Pack<R>& a, const Pack<R>& b) {
-  Pack<R> c;
-  for (std::size_t r = 0; r < R; ++r) c.v[r] = quotient(a.v[r], b.v[r]);
-  return c;
-}
-
 template <std::size_t R>
 [[gnu::always_inline]] inline Pack<R> abs(const Pack<R>& a) {
   Pack<R> c;

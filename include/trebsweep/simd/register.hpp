@@ -61,22 +61,6 @@ using Bits = std::int64_t __attribute__((vector_size(8 * register_lanes)));
 #endif
 }
 
-/// a / b, correctly rounded if both operands are finite, and a / b and 1 / b are normal numbers.
-[[gnu::always_inline]] inline Register quotient(Register a, Register b) {
-#if defined(__AVX512F__)
-  // Faster than the divider (16 cycles): Newton's method from a 14-bit approximation of 1/b, then
-  // Markstein's correction (P. Markstein, IBM J. Res. Dev. 34, 1990).
-  const Register approximate = _mm512_maskz_rcp14_pd(0xff, b);
-  const Register e = fma(-b, approximate, broadcast(1));
-  const Register better = fma(e, approximate, approximate);
-  const Register inverse = fma(e * e, better, better);
-  const Register q = a * inverse;
-  return fma(fma(-b, q, a), inverse, q);
-#else
-  return a / b;
-#endif
-}
-
 [[gnu::always_inline]] inline Register abs(Register x) {
   return std::bit_cast<Register>(std::bit_cast<Bits>(x) & INT64_MAX);
 }

@@ -41,7 +41,7 @@ T peak(const std::array<double, N>& nodes, const std::array<T, N>& values) {
   for (int i = 0; i < 2; ++i) {  // two iterations suffice from the nearest node
     evaluate();
     const T bend = half_bend + half_bend;
-    top = top - quotient(slope, select(bend < T(0), bend, T(-1e300)));
+    top = top - slope / select(bend < T(0), bend, T(-1e300));
   }
   evaluate();
   const auto inside = (top > T(nodes[0])) & (top < T(nodes[N - 1]));

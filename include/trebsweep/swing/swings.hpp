@@ -111,15 +111,20 @@ class Swings {
     }
     if ((~accepted & active_) != 0) {
       to.t = select(good, to.t, from.t);
+#pragma GCC unroll 8
       for (std::size_t i = 0; i < coordinates<E>; ++i) {
         to.x[i] = select(good, to.x[i], from.x[i]);
         to.dxdt[i] = select(good, to.dxdt[i], from.dxdt[i]);
       }
+#pragma GCC unroll 8
       for (std::size_t i = 0; i < 4; ++i)
         to.directions[i] = select(good, to.directions[i], from.directions[i]);
     }
-    // The recorded step of a rejected lane has zero length.
-    if (recording_) record(from, to, T(to.t - from.t));
+    if (recording_) {
+      // A rejected step adds nothing to the record. Steppers need a length that is not zero.
+      constexpr double negligible = 1e-30;
+      record(from, to, select(good, T(to.t - from.t), T(negligible)));
+    }
     return ended;
   }
 
