@@ -22,7 +22,9 @@ using Complex = std::complex<double>;
 template <template <class...> class Stepper>
 Complex explicit_step(const Complex& z) {
   using Y = std::array<Complex, 1>;
-  Stepper<Y, double, Y, double, odeint::array_algebra> stepper;
+  Stepper<Y, double, Y, double, odeint::array_algebra, odeint::default_operations,
+          odeint::never_resizer>
+      stepper;
   const auto system = [&](const Y& y, Y& dydt, double) { dydt[0] = z * y[0]; };
   Y y{1};
   stepper.do_step(system, y, 0.0, 1.0);
@@ -91,6 +93,10 @@ Complex stability_function(const std::string& stepper, const Complex& z) {
       return explicit_step<odeint::runge_kutta_dopri5>(z);
     case StepperId::fehlberg78:
       return explicit_step<odeint::runge_kutta_fehlberg78>(z);
+    case StepperId::vern7:
+      return explicit_step<Verner76>(z);
+    case StepperId::vern8:
+      return explicit_step<Verner87>(z);
     case StepperId::rosenbrock4:
       return rosenbrock_step(z);
     case StepperId::adams_bashforth_moulton:

@@ -36,7 +36,7 @@ TEST_CASE("Every adaptive stepper is accurate at a tolerance of 1e-9, and its co
   const std::array designs{optimum, Design<double>{0.8, 0.5, 0.7}, Design<double>{1.2, 0.9, 0.2}};
   const auto truth = references(Scene{}, designs);
   for (const std::string stepper :
-       {"cash_karp54", "dopri5", "fehlberg78", "bulirsch_stoer", "rosenbrock4"}) {
+       {"cash_karp54", "dopri5", "fehlberg78", "vern7", "vern8", "bulirsch_stoer", "rosenbrock4"}) {
     const auto a = accuracy(Scene{}, solver_of(stepper, 1e-9, paper_solver()), designs, truth, 1);
     INFO(stepper);
     CHECK(a.status_mismatches == 0);

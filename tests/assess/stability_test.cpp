@@ -85,7 +85,7 @@ TEST_CASE("In a stiff scene, steps become unusable near the largest stable step"
   scene.sling_stiffness = 1e7;
   const Reference truth = reference(scene, optimum, limits());
   const auto along = spectra(scene, optimum, limits());
-  for (const std::string stepper : {"rk4", "dopri5", "fehlberg78"}) {
+  for (const std::string stepper : {"rk4", "dopri5", "fehlberg78", "vern7", "vern8"}) {
     const double stable = largest_stable_step(stepper, along);
     const double usable = largest_usable_step(stepper, scene, optimum, truth, stable);
     CHECK(usable > 0.7 * stable);

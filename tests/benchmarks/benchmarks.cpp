@@ -96,7 +96,7 @@ std::vector<Entry> entries() {
     solver.time_step = step;
     lanes(fmt::format("{:g} s", step), solver);
   }
-  for (const std::string stepper : {"cash_karp54", "dopri5", "fehlberg78"})
+  for (const std::string stepper : {"cash_karp54", "dopri5", "fehlberg78", "vern7", "vern8"})
     for (const double tolerance : {1e-6, 1e-9, 1e-11})
       lanes(fmt::format("{:g}", tolerance), crossing(stepper, tolerance));
   return list;

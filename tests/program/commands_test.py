@@ -284,7 +284,7 @@ class Sweep(CommandTest):
     def test_maps_are_bitwise_the_same_with_avx2_and_avx512(self):
         if not wide_kernels():
             self.skipTest("this machine, or this build, lacks AVX-512")
-        for stepper in ("euler", "rk4", "cash_karp54", "dopri5", "fehlberg78"):
+        for stepper in ("euler", "rk4", "cash_karp54", "dopri5", "fehlberg78", "vern7", "vern8"):
             maps = []
             for level, name in (("x86-64-v3", "AVX2"), ("x86-64-v4", "AVX-512")):
                 environment = {"LD_LIBRARY_PATH": os.path.join(KERNELS, level)}

@@ -42,7 +42,7 @@ TEST_CASE("The paper's optimum: 17.47606519 m/s at step 92 by the paper's rules"
 }
 
 TEST_CASE("Every adaptive stepper finds the true speed of the paper's optimum") {
-  for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78"}) {
+  for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78", "vern7", "vern8"}) {
     const auto result = swing_of(Scene{}, optimum, accurate(1e-13, name));
     CHECK(result.t == Approx(0.907088591346).margin(1e-12));
     CHECK(result.speed == Approx(16.8555869074).margin(1e-10));
@@ -185,7 +185,7 @@ TEST_CASE("The located release converges with order 1 for euler and 4 for rk4") 
 
 TEST_CASE("The error of a release follows the tolerance") {
   const double truth = swing_of(Scene{}, optimum, tight).speed;
-  for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78"})
+  for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78", "vern7", "vern8"})
     for (const double tolerance : {1e-5, 1e-7, 1e-9, 1e-11})
       CHECK(std::abs(swing_of(Scene{}, optimum, accurate(tolerance, name)).speed - truth) <
             100 * tolerance);
@@ -230,7 +230,7 @@ TEST_CASE("A state that overflows has status non_finite and no speed") {
 
 TEST_CASE("Steps too short to change the time end a swing as step_underflow") {
   const Design<double> tiny_sling{0.51, 1e-34, 0.91};  // its swing would take 1e-17 s
-  for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78"})
+  for (const std::string name : {"cash_karp54", "dopri5", "fehlberg78", "vern7", "vern8"})
     CHECK(swing_of(Scene{}, tiny_sling, accurate(1e-9, name)).status == Status::step_underflow);
 }
 

@@ -22,6 +22,7 @@
 #include "trebsweep/ode/algebra.hpp"
 #include "trebsweep/ode/instant.hpp"
 #include "trebsweep/ode/solver.hpp"
+#include "trebsweep/ode/verner.hpp"
 
 namespace trebsweep {
 
@@ -59,6 +60,10 @@ template <class T, Effects E = Effects{}>
 using Dopri5 = AdaptiveStepper<odeint::runge_kutta_dopri5, T, E>;
 template <class T, Effects E = Effects{}>
 using Fehlberg78 = AdaptiveStepper<odeint::runge_kutta_fehlberg78, T, E>;
+template <class T, Effects E = Effects{}>
+using Vern7 = AdaptiveStepper<Verner76, T, E>;
+template <class T, Effects E = Effects{}>
+using Vern8 = AdaptiveStepper<Verner87, T, E>;
 
 /// Whether the stepper controls its step size itself.
 template <class Stepper>
@@ -90,16 +95,18 @@ std::uint64_t evaluations(const Stepper& stepper, std::uint64_t steps) {
   return steps * (is_adaptive<Stepper> ? 6 : 1);
 }
 
-/// The rate of an extended state per fraction of a step of length h.
+/// Sets the rates of the sines and cosines in an extended state y, from the rates of its angles.
 template <class T, std::size_t N>
-void extend_rates(const std::array<T, N>& dxdt, std::span<const std::type_identity_t<T>, 4> at,
-                  const T& h, std::array<T, N + 4>& rates) {
-  for (std::size_t i = 0; i < N; ++i) rates[i] = h * dxdt[i];
-  rates[N + sin1] = rates[phi1] * at[cos1];
-  rates[N + cos1] = T(0) - rates[phi1] * at[sin1];
-  rates[N + sin2] = rates[phi2] * at[cos2];
-  rates[N + cos2] = T(0) - rates[phi2] * at[sin2];
+void set_direction_rates(const std::array<T, N>& y, std::array<T, N>& rates) {
+  constexpr std::size_t n = N - 4;
+  rates[n + sin1] = rates[phi1] * y[n + cos1];
+  rates[n + cos1] = T(0) - rates[phi1] * y[n + sin1];
+  rates[n + sin2] = rates[phi2] * y[n + cos2];
+  rates[n + cos2] = T(0) - rates[phi2] * y[n + sin2];
 }
+
+// Loops over coordinates are unrolled by a pragma: not every compiler would do so by itself, and
+// otherwise the arrays of packs would be copied through memory.
 
 /// Sets `to` to the instant one step of length h after `from`. An adaptive stepper also sets
 /// `error`, its estimate of the local error; the other steppers do not change it.
@@ -110,19 +117,26 @@ void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& 
   if constexpr (is_adaptive<Stepper>) {
     using Number = typename Lanes<T>::Number;
     constexpr std::size_t n = coordinates<E>;
-    State<T, E> dxdt;  // not to.dxdt, which the compiler would have to store in every stage
-    const auto directions_of = [](const ExtendedState<T, E>& y) {
-      return std::span(y).template last<4>();
-    };
+    // With the time in units of h, no stage has to multiply its rates by h.
+    const Motion<T, E> scaled = motion.in_units_of(h);
     const auto system = [&](const ExtendedState<T, E>& y, ExtendedState<T, E>& rates,
                             const Number&) {
-      motion.rates(std::span(y).template first<n>(), directions_of(y), dxdt);
-      extend_rates(dxdt, directions_of(y), h, rates);
+      scaled.rates(std::span(y).template first<n>(), std::span(y).template last<4>(),
+                   std::span(rates).template first<n>());
+      set_direction_rates(y, rates);
     };
+    const T per_h = T(1) / h;
+    const auto unit = [&](std::size_t i) { return is_rate(i) ? h : T(1); };
+    const auto per_unit = [&](std::size_t i) { return is_rate(i) ? per_h : T(1); };
     ExtendedState<T, E> start, start_rates, end, end_rates, difference;
-    for (std::size_t i = 0; i < n; ++i) start[i] = from.x[i];
+#pragma GCC unroll 8
+    for (std::size_t i = 0; i < n; ++i) {
+      start[i] = unit(i) * from.x[i];
+      start_rates[i] = h * unit(i) * from.dxdt[i];
+    }
+#pragma GCC unroll 8
     for (std::size_t i = 0; i < 4; ++i) start[n + i] = from.directions[i];
-    extend_rates(from.dxdt, from.directions, h, start_rates);
+    set_direction_rates(start, start_rates);
     if constexpr (std::is_same_v<typename Stepper::stepper_category,
                                  odeint::explicit_error_stepper_fsal_tag>) {
       stepper.do_step(system, start, start_rates, Number(0), end, end_rates, Number(1), difference);
@@ -130,11 +144,13 @@ void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& 
       stepper.do_step(system, start, start_rates, Number(0), end, Number(1), difference);
       system(end, end_rates, Number(1));
     }
+#pragma GCC unroll 8
     for (std::size_t i = 0; i < n; ++i) {
-      to.x[i] = end[i];
-      to.dxdt[i] = dxdt[i];
-      error[i] = difference[i];
+      to.x[i] = per_unit(i) * end[i];
+      to.dxdt[i] = per_h * per_unit(i) * end_rates[i];
+      error[i] = per_unit(i) * difference[i];
     }
+#pragma GCC unroll 8
     for (std::size_t i = 0; i < 4; ++i) to.directions[i] = end[n + i];
   } else {
     stepper.do_step(std::cref(motion), from.x, from.dxdt, from.t, to.x, h);
@@ -170,6 +186,10 @@ auto with_pack_stepper(std::string_view name, F&& f) {
       return f.template operator()<Dopri5>();
     case StepperId::fehlberg78:
       return f.template operator()<Fehlberg78>();
+    case StepperId::vern7:
+      return f.template operator()<Vern7>();
+    case StepperId::vern8:
+      return f.template operator()<Vern8>();
     case StepperId::adams_bashforth_moulton:
     case StepperId::bulirsch_stoer:
     case StepperId::rosenbrock4:

@@ -17,6 +17,8 @@ enum class StepperId {
   cash_karp54,
   dopri5,
   fehlberg78,
+  vern7,
+  vern8,
   adams_bashforth_moulton,
   bulirsch_stoer,
   rosenbrock4
@@ -34,13 +36,15 @@ struct StepperInfo {
 
 /// The registry of steppers, in the order of StepperId. Help, job files, dispatch, assess and the
 /// stability analysis take their lists from it.
-inline constexpr std::array<StepperInfo, 9> stepper_info{{
+inline constexpr std::array<StepperInfo, 11> stepper_info{{
     {StepperId::euler, "euler", 1, false, true, true},
     {StepperId::modified_midpoint, "modified_midpoint", 2, false, true, true},
     {StepperId::rk4, "rk4", 4, false, true, true},
     {StepperId::cash_karp54, "cash_karp54", 5, true, true, true},
     {StepperId::dopri5, "dopri5", 5, true, true, true},
     {StepperId::fehlberg78, "fehlberg78", 8, true, true, true},
+    {StepperId::vern7, "vern7", 7, true, true, true},
+    {StepperId::vern8, "vern8", 8, true, true, true},
     {StepperId::adams_bashforth_moulton, "adams_bashforth_moulton", 5, false, false, false},
     {StepperId::bulirsch_stoer, "bulirsch_stoer", 0, true, false, false},
     {StepperId::rosenbrock4, "rosenbrock4", 4, true, false, true},

@@ -13,6 +13,8 @@ extern template Work integrate_packs_by<RungeKutta4>(const Scene&, const Solver&
 extern template Work integrate_packs_by<CashKarp54>(const Scene&, const Solver&, const Batch&);
 extern template Work integrate_packs_by<Dopri5>(const Scene&, const Solver&, const Batch&);
 extern template Work integrate_packs_by<Fehlberg78>(const Scene&, const Solver&, const Batch&);
+extern template Work integrate_packs_by<Vern7>(const Scene&, const Solver&, const Batch&);
+extern template Work integrate_packs_by<Vern8>(const Scene&, const Solver&, const Batch&);
 
 [[gnu::visibility("default")]] std::string_view instruction_set() {
   if (!has_fused_multiply_add) return "baseline (2 lanes)";
