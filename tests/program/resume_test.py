@@ -25,7 +25,8 @@ from support import MPIEXEC, PROGRAM, DirectoryTest, mpirun
 KILLS = int(os.environ.get("TREBSWEEP_KILLS", "2"))
 SEED = int(os.environ.get("TREBSWEEP_SEED", "1"))
 MAPS = ("speed", "release_time", "status", "r1", "r3", "r2", "tile_done")
-SUMMARY = ("best_speed", "best_r1", "best_r3", "best_r2", "best_release_time", "designs", "steps")
+SUMMARY = ("best_speed", "best_r1", "best_r3", "best_r2", "best_release_time", "designs", "steps",
+           "error_median", "error_largest", "error_at_optimum", "error_designs")
 JOB = "[solver]\nstepper = fehlberg78\ntolerance = 1e-11\n"
 COMPRESSED = ("--output.compression", "1")
 
