@@ -41,22 +41,23 @@ Tile box_around(const Index3& centre, double fraction, const Lattice& lattice) {
 }
 
 /// Integrates designs with the job's solver and accurately. The field slack takes long.
-void check(const Job& job, std::span<const Design<double>> designs, bool with_slack,
-           std::span<Check> checks) {
+std::vector<Check> check(const Job& job, std::span<const Design<double>> designs, bool with_slack) {
   std::vector<Field> fields{Field::efficiency};
   if (with_slack) fields.push_back(Field::slack);
   std::vector<SwingResult> results(designs.size()), accurate(designs.size());
   std::vector<double> values(designs.size() * fields.size());
   integrate(job.scene, job.solver, {designs, results, fields, values});
   integrate_accurately(job.scene, job.solver, designs, accurate);
+  std::vector<Check> checks;
   for (std::size_t i = 0; i < designs.size(); ++i)
-    checks[i] = {.design = designs[i],
-                 .speed = results[i].speed,
-                 .efficiency = values[i * fields.size()],
-                 .accurate_speed = accurate[i].speed,
-                 .slack = with_slack ? values[i * fields.size() + 1] : nan,
-                 .status = results[i].status,
-                 .accurate_status = accurate[i].status};
+    checks.push_back({.design = designs[i],
+                      .speed = results[i].speed,
+                      .efficiency = values[i * fields.size()],
+                      .accurate_speed = accurate[i].speed,
+                      .slack = with_slack ? values[i * fields.size() + 1] : nan,
+                      .status = results[i].status,
+                      .accurate_status = accurate[i].status});
+  return checks;
 }
 
 /// Whether a design was integrated accurately, whatever the outcome.
@@ -71,25 +72,21 @@ bool is_measured(const Check& check) {
   }
 }
 
-/// Checks designs on all ranks; those that are not begun once `stop` is true have the status
-/// outside_lattice. Collective.
+/// Checks designs on all ranks, in parts of at most `part_size`; the designs of parts that are not
+/// begun once `stop` is true have the status outside_lattice. Collective.
 std::vector<Check> check_on_all_ranks(const Job& job, const std::vector<Design<double>>& designs,
-                                      bool with_slack, const std::function<bool()>& stop,
-                                      MPI_Comm comm) {
-  constexpr std::size_t part_size = 256;  // fills the lanes
-  // Assigned round-robin: neighbouring designs cost about the same.
-  const auto rank = static_cast<std::size_t>(mpi::rank(comm));
+                                      bool with_slack, std::size_t part_size,
+                                      const std::function<bool()>& stop, MPI_Comm comm) {
   const auto ranks = static_cast<std::size_t>(mpi::size(comm));
-  std::vector<Design<double>> own;
-  for (std::size_t i = rank; i < designs.size(); i += ranks) own.push_back(designs[i]);
-  std::vector<Check> own_checks(own.size());
-  for (std::size_t first = 0; first < own.size() && !stop(); first += part_size) {
-    const std::size_t count = std::min(part_size, own.size() - first);
-    check(job, std::span(own).subspan(first, count), with_slack,
-          std::span(own_checks).subspan(first, count));
-  }
+  const std::size_t parts =
+      ranks * ((designs.size() + ranks * part_size - 1) / (ranks * part_size));
   std::vector<Check> checks(designs.size());
-  for (std::size_t i = 0; i < own.size(); ++i) checks[rank + i * ranks] = own_checks[i];
+  for (auto p = static_cast<std::size_t>(mpi::rank(comm)); p < parts && !stop(); p += ranks) {
+    std::vector<Design<double>> part;  // every parts-th design, so that each part is representative
+    for (std::size_t i = p; i < designs.size(); i += parts) part.push_back(designs[i]);
+    const auto checked = check(job, part, with_slack);
+    for (std::size_t k = 0; k < checked.size(); ++k) checks[p + k * parts] = checked[k];
+  }
   mpi::merge(std::span(checks), comm);
   return checks;
 }
@@ -131,17 +128,24 @@ double error_at_optimum(const Job& job, const Optimum& optimum, const std::vecto
 
 }  // namespace
 
-ErrorSample measure_error(const Job& job, const Lattice& lattice, const Summary& summary,
-                          const std::function<bool()>& stop, MPI_Comm comm) {
+std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
+                                         const Summary& summary, const std::function<bool()>& stop,
+                                         MPI_Comm comm) {
   const double deadline = MPI_Wtime() + std::max(1.0, 0.01 * summary.sweep_seconds);
   const auto stop_or_late = [&] { return stop() || MPI_Wtime() > deadline; };
+  const double seconds_per_design =
+      summary.integration_seconds /
+      static_cast<double>(std::max<std::uint64_t>(1, summary.designs()));
+  const auto part_size =
+      static_cast<std::size_t>(std::clamp(0.01 / seconds_per_design, 16.0, 512.0));
   ErrorSample sample;
   std::set<Index3> checked;
   const auto add = [&](const std::vector<Index3>& indices, bool with_slack = false) {
     std::vector<Design<double>> designs;
     for (const Index3& index : indices)
       if (checked.insert(index).second) designs.push_back(lattice.design(index));
-    for (const Check& c : check_on_all_ranks(job, designs, with_slack, stop_or_late, comm))
+    for (const Check& c :
+         check_on_all_ranks(job, designs, with_slack, part_size, stop_or_late, comm))
       if (is_measured(c)) sample.checks.push_back(c);
   };
   const std::size_t spread = sample_size(lattice, job);
@@ -158,15 +162,15 @@ ErrorSample measure_error(const Job& job, const Lattice& lattice, const Summary&
     const Tile box = box_around(lattice.index_of(worst->design), fraction, lattice);
     add(sample_box(lattice, box, spread / 4));
   }
-  const std::vector<double> all = sorted_errors(sample.checks);
-  if (all.empty()) return sample;
   const double at_optimum =
       summary.optimum ? error_at_optimum(job, *summary.optimum, sample.checks, stop_or_late, comm)
                       : nan;
-  sample.error = {.median = even.empty() ? nan : even[even.size() / 2],
-                  .largest = std::fmax(all.back(), at_optimum),
-                  .at_optimum = at_optimum,
-                  .designs = all.size()};
+  if (mpi::max(stop() ? 1 : 0, comm) > 0) return std::nullopt;
+  if (const std::vector<double> all = sorted_errors(sample.checks); !all.empty())
+    sample.error = {.median = even.empty() ? nan : even[even.size() / 2],
+                    .largest = std::fmax(all.back(), at_optimum),
+                    .at_optimum = at_optimum,
+                    .designs = all.size()};
   return sample;
 }
 

@@ -202,11 +202,14 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   Summary summary = combine(tally, lattice, comm);
   summary.complete = tiles_done == tiling.size();
   if (summary.complete) {
-    ErrorSample sample;
+    std::optional<ErrorSample> sample = ErrorSample{};
     if (job.solver.check) sample = measure_error(job, lattice, summary, options.stop, comm);
-    summary.error = sample.error;
-    summary.warnings = warnings(job, lattice, summary, sample.checks);
-    archive.write(result_attributes(summary));
+    summary.complete = sample.has_value();
+    if (sample) {
+      summary.error = sample->error;
+      summary.warnings = warnings(job, lattice, summary, sample->checks);
+      archive.write(result_attributes(summary));
+    }
   }
   archive.close();
   if (summary.complete)

@@ -20,9 +20,9 @@ std::vector<std::string> warnings_of(const Job& job) {
       summary.optimum = {design, result.speed, result.release_time};
   }
   const auto never = [] { return false; };
-  const auto [checks, error] = measure_error(job, lattice, summary, never, MPI_COMM_WORLD);
-  summary.error = error;
-  return warnings(job, lattice, summary, checks);
+  const auto sample = measure_error(job, lattice, summary, never, MPI_COMM_WORLD);
+  summary.error = sample->error;
+  return warnings(job, lattice, summary, sample->checks);
 }
 
 /// The number of lines that contain the words.

@@ -30,14 +30,15 @@ struct ErrorSample {
   std::optional<MeasuredError> error;  ///< nothing if no checked design has a speed
 };
 
-/// Measures the error of a complete sweep's speeds on a sample of the lattice: 160 to 2048
-/// designs spread evenly; the optimum, its neighbours and the first design of each status; and
-/// twice more designs around the one with the largest error so far. The accurate speeds are those
-/// of integrate_accurately(), and of speed_in_extended_precision() at the optimum. Designs that
-/// could not be integrated accurately are left out, as are those not begun within a second (or 1 %
-/// of the sweep's time, if that is longer) or before `stop` is true. Otherwise the result depends
-/// on the job alone. Collective; the same on all ranks.
-ErrorSample measure_error(const Job& job, const Lattice& lattice, const Summary& summary,
-                          const std::function<bool()>& stop, MPI_Comm comm);
+/// Measures the error of a complete sweep's speeds on a sample of the lattice: 160 to 2048 designs
+/// spread evenly; the optimum, its neighbours and the first design of each status; and twice more
+/// designs around the one with the largest error so far. The accurate speeds are those of
+/// integrate_accurately(), and of speed_in_extended_precision() at the optimum. Designs that could
+/// not be integrated accurately are left out, as are those not begun within a second, or 1 % of the
+/// sweep's time if that is longer. Otherwise the result depends on the job alone. Collective; the
+/// same on all ranks. Returns nothing once `stop` is true on any rank.
+std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
+                                         const Summary& summary, const std::function<bool()>& stop,
+                                         MPI_Comm comm);
 
 }  // namespace trebsweep
