@@ -23,21 +23,40 @@ std::size_t read_edge(hid_t tile_done, const char* name, std::size_t extent) {
 /// The sum of the tallies of the first `done` tiles.
 Tally read_tally(hid_t file, std::uint64_t tiles, std::uint64_t done, std::uint64_t cells) {
   const auto values = hdf5::read_numbers(file, "tile_tally");
-  if (values.size() != tiles * tally_columns.size())
+  constexpr std::size_t columns = tally_columns.size();
+  // Archives of format version 3 lack the last columns, the first cell of each status.
+  constexpr std::size_t former_columns = columns - status_names.size();
+  const bool is_former = values.size() == tiles * former_columns;
+  if (values.size() != tiles * columns && !is_former)
     untrusted::fail("tile_tally does not have one row per tile");
+  const std::size_t stored = is_former ? former_columns : columns;
   Tally sum;
   for (std::uint64_t t = 0; t < done; ++t) {
     TallyRow row;
-    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(t * row.size()), row.size(),
-                row.begin());
+    row.fill(-1);  // no cell
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(t * stored), stored, row.begin());
     const Tally tally = to_tally(row);
     if (tally.designs() == 0)
       untrusted::fail(fmt::format("tile {} is marked done but has no designs", t));
     if (tally.best_speed >= 0 && tally.best_cell >= cells)
       untrusted::fail(fmt::format("the best design of tile {} lies outside the lattice", t));
+    for (const std::uint64_t first : tally.first_cells)
+      if (first != no_cell && first >= cells)
+        untrusted::fail(fmt::format("a design of tile {} lies outside the lattice", t));
     sum.add(tally);
   }
   return sum;
+}
+
+/// The measured error of a complete sweep, or none if it was not measured.
+std::optional<MeasuredError> read_error(hid_t file) {
+  const auto read = [&](const char* name) { return hdf5::read_number_attribute(file, name); };
+  // Archives of format version 3 lack these attributes.
+  if (H5Aexists(file, "error_designs") <= 0 || !(read("error_designs") > 0)) return std::nullopt;
+  return MeasuredError{.median = read("error_median"),
+                       .largest = read("error_largest"),
+                       .at_optimum = read("error_at_optimum"),
+                       .designs = static_cast<std::uint64_t>(read("error_designs"))};
 }
 
 /// Throws if a map that the archive's job asks for is missing or has another extent.
@@ -80,6 +99,7 @@ ArchiveContents read(const std::filesystem::path& path) {
   contents.tiles = done.size();
   contents.tiles_done = untrusted::count_done(done);
   contents.tally = read_tally(file, contents.tiles, contents.tiles_done, cells);
+  contents.error = read_error(file);
   check_maps(file, contents);
   return contents;
 }

@@ -24,7 +24,8 @@ std::vector<std::string> differences(const Job& here, const Job& there) {
   std::vector<std::string> different;
   for (const Key& key : job_keys()) {
     const std::string value_here = key.get(here), value_there = key.get(there);
-    if (key.name == "output.file" || key.name.starts_with("assess.") || value_here == value_there)
+    if (key.name == "output.file" || key.name == "solver.check" ||
+        key.name.starts_with("assess.") || value_here == value_there)
       continue;
     const auto text = [](const std::string& value) { return value.empty() ? "none" : value; };
     different.push_back(

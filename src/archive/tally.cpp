@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numeric>
 #include <stdexcept>
 #include <tuple>
@@ -14,6 +15,8 @@ std::uint64_t Tally::designs() const {
 
 void Tally::add(const SwingResult& result, std::uint64_t cell, bool competes) {
   ++statuses[static_cast<std::size_t>(result.status)];
+  std::uint64_t& first = first_cells[static_cast<std::size_t>(result.status)];
+  first = std::min(first, cell);
   steps += result.steps;
   if (!competes || !has_speed(result.status)) return;
   if (result.speed > best_speed || (result.speed == best_speed && cell < best_cell)) {
@@ -24,7 +27,10 @@ void Tally::add(const SwingResult& result, std::uint64_t cell, bool competes) {
 }
 
 void Tally::add(const Tally& other) {
-  for (std::size_t s = 0; s < statuses.size(); ++s) statuses[s] += other.statuses[s];
+  for (std::size_t s = 0; s < statuses.size(); ++s) {
+    statuses[s] += other.statuses[s];
+    first_cells[s] = std::min(first_cells[s], other.first_cells[s]);
+  }
   steps += other.steps;
   lane_steps += other.lane_steps;
   integration_seconds += other.integration_seconds;
@@ -37,40 +43,46 @@ void Tally::add(const Tally& other) {
 }
 
 TallyRow to_row(const Tally& tally) {
+  const auto cell = [](std::uint64_t c) { return c == no_cell ? -1 : static_cast<double>(c); };
   TallyRow row{};
-  std::copy(tally.statuses.begin(), tally.statuses.end(), row.begin());
-  const bool has_best = tally.best_speed >= 0;
   const std::array rest{static_cast<double>(tally.steps),
                         static_cast<double>(tally.lane_steps),
                         tally.best_speed,
                         tally.best_time,
-                        has_best ? static_cast<double>(tally.best_cell) : -1,
+                        cell(tally.best_cell),
                         tally.integration_seconds,
                         tally.sweep_seconds};
-  static_assert(status_names.size() + rest.size() == tally_columns.size());
-  std::copy(rest.begin(), rest.end(), row.begin() + status_names.size());
+  static_assert(2 * status_names.size() + rest.size() == tally_columns.size());
+  const auto end_of_counts = std::copy(tally.statuses.begin(), tally.statuses.end(), row.begin());
+  const auto end_of_rest = std::copy(rest.begin(), rest.end(), end_of_counts);
+  std::transform(tally.first_cells.begin(), tally.first_cells.end(), end_of_rest, cell);
   return row;
 }
 
 Tally to_tally(const TallyRow& row) {
-  const auto count = [&](std::size_t column) {
-    const double value = row[column];
+  std::size_t column = 0;
+  const auto count = [&] {
+    const double value = row[column++];
     if (!(value >= 0 && value < 9e15))
       throw std::runtime_error(
-          fmt::format("damaged: {} in a tally is {}", tally_columns[column], value));
+          fmt::format("damaged: {} in a tally is {}", tally_columns[column - 1], value));
     return static_cast<std::uint64_t>(value);
   };
+  const auto cell = [&] {
+    if (row[column] != -1) return count();
+    ++column;
+    return no_cell;
+  };
   Tally tally;
-  for (std::size_t s = 0; s < status_names.size(); ++s) tally.statuses[s] = count(s);
-  std::size_t column = status_names.size();
-  tally.steps = count(column++);
-  tally.lane_steps = count(column++);
+  for (std::uint64_t& status : tally.statuses) status = count();
+  tally.steps = count();
+  tally.lane_steps = count();
   tally.best_speed = row[column++];
   tally.best_time = row[column++];
-  if (tally.best_speed >= 0) tally.best_cell = count(column);
-  ++column;
+  tally.best_cell = cell();
   tally.integration_seconds = row[column++];
   tally.sweep_seconds = row[column++];
+  for (std::uint64_t& first : tally.first_cells) first = cell();
   return tally;
 }
 

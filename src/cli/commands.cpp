@@ -4,7 +4,6 @@
 #include <mpi.h>
 
 #include <cstdio>
-#include <functional>
 
 #include "trebsweep/assess/assess.hpp"
 #include "trebsweep/base/error.hpp"
@@ -14,7 +13,6 @@
 #include "trebsweep/cli/trace.hpp"
 #include "trebsweep/job/load_job.hpp"
 #include "trebsweep/sweep/sweep.hpp"
-#include "trebsweep/sweep/warnings.hpp"
 #include "trebsweep/swing/kernel.hpp"
 
 namespace trebsweep {
@@ -31,12 +29,7 @@ void print_summary(const Summary& summary, const Job& job) {
              solver_text(job.solver), to_text(summary, job.output.optimum_filter), ranks,
              ranks == 1 ? "rank" : "ranks", job.output.file);
   std::fflush(stdout);  // before the warnings on stderr; main checks stdout for errors
-}
-
-void print_warnings(const Summary& summary, const Job& job, const std::function<bool()>& stop) {
-  const Lattice lattice(job.scene, job.lattice);
-  for (const std::string& line : warnings(job, lattice, summary, stop, MPI_COMM_WORLD))
-    if (is_root()) fmt::print(stderr, "warning: {}\n", line);
+  for (const std::string& line : summary.warnings) fmt::print(stderr, "warning: {}\n", line);
 }
 
 void print_stopped(const Summary& summary, bool overwrite) {
@@ -78,7 +71,6 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
     return stopped;
   }
   if (is_root()) print_summary(*summary, job);
-  print_warnings(*summary, job, stop);
   return complete;
 }
 

@@ -62,7 +62,9 @@ std::string describe_sweep(const fs::path& path) {
   text += fmt::format("lattice   {} x {} x {} (r1 x r3 x r2), {} designs\n",
                       contents.axes[0].size(), contents.axes[1].size(), contents.axes[2].size(),
                       Lattice(job.scene, job.lattice).designs());
-  text += to_text(to_summary(contents.tally, contents.axes), job.output.optimum_filter);
+  Summary summary = to_summary(contents.tally, contents.axes);
+  summary.error = contents.error;
+  text += to_text(summary, job.output.optimum_filter);
   text += fmt::format("\nsource    {}, {}\n", contents.source, contents.kernel);
   text += "history   " + boost::replace_all_copy(contents.history, "\n", "\n          ");
   return text + "\n\n" + contents.job;

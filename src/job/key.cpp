@@ -128,6 +128,10 @@ const std::vector<Key>& job_keys() {
           "maximum number of steps per swing, including rejected ones; a swing that needs more "
           "ends with status step_budget",
           integer<std::uint64_t>(1, 1'000'000'000'000), &Solver::max_steps),
+      key("solver.check",
+          "whether a sweep measures the error of its speeds, by integrating a sample of the lattice "
+          "again far more accurately",
+          yes_no(), &Solver::check),
 
       key("output.file",
           "path of the archive (default: the job file's name with the extension .h5, in the "

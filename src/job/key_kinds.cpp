@@ -115,4 +115,9 @@ KeyKind<std::string> choice(std::span<const std::string_view> names) {
           [](const std::string& name) { return name; }};
 }
 
+KeyKind<bool> yes_no() {
+  static constexpr std::array<std::string_view, 2> names{"no", "yes"};
+  return choice<bool>(names);
+}
+
 }  // namespace trebsweep

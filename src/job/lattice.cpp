@@ -150,6 +150,15 @@ std::uint64_t Lattice::designs() const {
          std::accumulate(row_length_.begin(), row_length_.end(), std::uint64_t{0});
 }
 
+Index3 Lattice::index_of(const Design<double>& design) const {
+  const auto index_along = [&](std::size_t axis, double value) {
+    const auto& values = axes_[axis];
+    return static_cast<std::size_t>(std::lower_bound(values.begin(), values.end(), value) -
+                                    values.begin());
+  };
+  return {index_along(0, design.r1), index_along(1, design.r3), index_along(2, design.r2)};
+}
+
 std::uint64_t Lattice::designs_in(const Tile& tile) const {
   std::uint64_t plane = 0;
   for (std::size_t i = 0; i < tile.count[1]; ++i) {

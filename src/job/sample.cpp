@@ -19,35 +19,57 @@ std::set<Index3> corners(const Lattice& lattice) {
   return indices;
 }
 
-}  // namespace
-
-std::vector<Design<double>> all_designs(const Lattice& lattice) {
-  const Index3 extent = lattice.extent();
-  std::vector<Design<double>> designs;
-  for (std::size_t i1 = 0; i1 < extent[0]; ++i1)
-    for (std::size_t i3 = 0; i3 < extent[1]; ++i3)
-      for (std::size_t i2 = 0; i2 < extent[2] && lattice.holds({i1, i3, i2}); ++i2)
-        designs.push_back(lattice.design({i1, i3, i2}));
-  return designs;
+/// The indices of all designs in a box, in storage order.
+std::vector<Index3> indices_in(const Lattice& lattice, const Tile& box) {
+  std::vector<Index3> indices;
+  for (std::size_t i1 = box.first[0]; i1 < box.first[0] + box.count[0]; ++i1)
+    for (std::size_t i3 = box.first[1]; i3 < box.first[1] + box.count[1]; ++i3)
+      for (std::size_t i2 = box.first[2]; i2 < box.first[2] + box.count[2]; ++i2)
+        if (lattice.holds({i1, i3, i2})) indices.push_back({i1, i3, i2});
+  return indices;
 }
 
-std::vector<Design<double>> sample(const Lattice& lattice, std::size_t count) {
-  const Index3 extent = lattice.extent();
-  std::set<Index3> indices = corners(lattice);
-  const std::size_t wanted = indices.size() + count;
-  if (lattice.designs() <= wanted) return all_designs(lattice);
+/// `given` and `count` more designs of a box; all designs of the box if it has no more than that.
+std::vector<Index3> with_sobol(std::set<Index3> given, std::size_t count, const Lattice& lattice,
+                               const Tile& box) {
+  const std::size_t wanted = given.size() + count;
+  if (lattice.designs_in(box) <= wanted) return indices_in(lattice, box);
   boost::random::sobol sequence(3);
   const double range = static_cast<double>(sequence.max()) + 1;
-  while (indices.size() < wanted) {
+  while (given.size() < wanted) {
     Index3 index;
     for (std::size_t d = 0; d < 3; ++d)
-      index[d] = static_cast<std::size_t>(static_cast<double>(sequence()) / range *
-                                          static_cast<double>(extent[d]));
-    if (lattice.holds(index)) indices.insert(index);
+      index[d] = box.first[d] + static_cast<std::size_t>(static_cast<double>(sequence()) / range *
+                                                         static_cast<double>(box.count[d]));
+    if (lattice.holds(index)) given.insert(index);
   }
+  return {given.begin(), given.end()};
+}
+
+Tile whole(const Lattice& lattice) { return {{0, 0, 0}, lattice.extent()}; }
+
+std::vector<Design<double>> designs_at(const std::vector<Index3>& indices, const Lattice& lattice) {
   std::vector<Design<double>> designs;
   for (const Index3& index : indices) designs.push_back(lattice.design(index));
   return designs;
+}
+
+}  // namespace
+
+std::vector<Design<double>> all_designs(const Lattice& lattice) {
+  return designs_at(indices_in(lattice, whole(lattice)), lattice);
+}
+
+std::vector<Index3> sample_box(const Lattice& lattice, const Tile& box, std::size_t count) {
+  return with_sobol({}, count, lattice, box);
+}
+
+std::vector<Index3> sample_indices(const Lattice& lattice, std::size_t count) {
+  return with_sobol(corners(lattice), count, lattice, whole(lattice));
+}
+
+std::vector<Design<double>> sample(const Lattice& lattice, std::size_t count) {
+  return designs_at(sample_indices(lattice, count), lattice);
 }
 
 }  // namespace trebsweep

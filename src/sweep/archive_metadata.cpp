@@ -45,12 +45,17 @@ std::vector<MapInfo> map_infos(const Output& output) {
 Attributes result_attributes(const Summary& summary) {
   const Optimum none{{nan, nan, nan}, nan, nan};
   const Optimum optimum = summary.optimum.value_or(none);
+  const MeasuredError error = summary.error.value_or(MeasuredError{nan, nan, nan, 0});
   using Count = unsigned long long;
   return {{"best_speed", optimum.speed},
           {"best_r1", optimum.design.r1},
           {"best_r3", optimum.design.r3},
           {"best_r2", optimum.design.r2},
           {"best_release_time", optimum.release_time},
+          {"error_median", error.median},
+          {"error_largest", error.largest},
+          {"error_at_optimum", error.at_optimum},
+          {"error_designs", static_cast<Count>(error.designs)},
           {"designs", static_cast<Count>(summary.designs())},
           {"steps", static_cast<Count>(summary.steps)},
           {"lane_utilisation", summary.utilisation()},

@@ -9,7 +9,9 @@
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/sweep/archive_metadata.hpp"
 #include "trebsweep/sweep/compute.hpp"
+#include "trebsweep/sweep/measured_error.hpp"
 #include "trebsweep/sweep/schedule.hpp"
+#include "trebsweep/sweep/warnings.hpp"
 #include "trebsweep/swing/kernel.hpp"
 
 namespace trebsweep {
@@ -199,7 +201,16 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
 
   Summary summary = combine(tally, lattice, comm);
   summary.complete = tiles_done == tiling.size();
-  if (summary.complete) archive.write(result_attributes(summary));
+  if (summary.complete) {
+    std::optional<ErrorSample> sample = ErrorSample{};
+    if (job.solver.check) sample = measure_error(job, lattice, summary, options.stop, comm);
+    summary.complete = sample.has_value();
+    if (sample) {
+      summary.error = sample->error;
+      summary.warnings = warnings(job, lattice, summary, sample->checks);
+      archive.write(result_attributes(summary));
+    }
+  }
   archive.close();
   if (summary.complete)
     mpi::on_root(comm, [&] { finish_partial(path, *start.run_id, output.replaces); });

@@ -2,6 +2,7 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
+#include <type_traits>
 
 #include "trebsweep/ode/stepper.hpp"
 #include "trebsweep/swing/swing_by.hpp"
@@ -42,6 +43,22 @@ Reference reference(const Scene& scene, const Design<double>& design, const Solv
     r.speed_bound = bound(tight.speed, loose.speed);
     r.time_bound = bound(tight.t, loose.t);
     return r;
+  });
+}
+
+double speed_in_extended_precision(const Scene& scene, const Design<double>& design,
+                                   double tolerance, const Solver& solver) {
+  return with_effects(scene, [&]<Effects E>() {
+    Solver limits = solver;
+    limits.max_steps = 100'000;
+    limits.release = Release::crossing;
+    limits.tolerance = tolerance;
+    // See integrate_accurately() for the choice of the stepper.
+    using Stepper =
+        std::conditional_t<E.elastic, Dopri5<long double, E>, Fehlberg78<long double, E>>;
+    const auto outcome = swing_by<Stepper, long double, E>(scene, design, limits);
+    return has_speed(outcome.status) ? static_cast<double>(outcome.speed)
+                                     : std::numeric_limits<double>::quiet_NaN();
   });
 }
 

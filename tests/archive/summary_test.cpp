@@ -1,5 +1,7 @@
 #include "trebsweep/archive/summary.hpp"
 
+#include <cmath>
+
 #include "support/catch.hpp"
 #include "trebsweep/base/mpi.hpp"
 
@@ -28,6 +30,8 @@ TEST_CASE(
   CHECK(summary.statuses[static_cast<std::size_t>(Status::not_released)] == ranks);
   CHECK(summary.steps == 35 * ranks);
   REQUIRE(summary.optimum);
+  CHECK(summary.first_of_statuses ==
+        std::vector{paper_lattice.design({0, 0, 0}), paper_lattice.design({0, 0, 0})});
   CHECK(summary.optimum->speed == 7);
   CHECK(summary.optimum->release_time == 0.5);
   const std::uint64_t cell = 1000 - (ranks - 1);
@@ -52,6 +56,17 @@ TEST_CASE("Without a release the summary has no optimum, and its text reports th
   CHECK_FALSE(summary.optimum);
   CHECK_THAT(to_text(summary, OptimumFilter::all),
              contains("non_finite") && contains("optimum   none"));
+}
+
+TEST_CASE("The text gives the measured error") {
+  Summary summary;
+  CHECK_THAT(to_text(summary, OptimumFilter::all), contains("error     not measured\n"));
+  summary.error = MeasuredError{8e-10, 1.5e-8, 4e-9, 128};
+  CHECK_THAT(to_text(summary, OptimumFilter::all),
+             contains("error     8e-10 median, 1.5e-08 largest of 128 designs; 4e-09 at the "
+                      "optimum\n"));
+  summary.error->at_optimum = std::nan("");
+  CHECK_THAT(to_text(summary, OptimumFilter::all), contains("of 128 designs\n"));
 }
 
 TEST_CASE("The text gives the optimal design with all its digits") {

@@ -20,6 +20,9 @@ TEST_CASE("Tallies of parts, stored and read back, add up to the tally of the wh
   for (const Tally& part : parts) sum.add(to_tally(to_row(part)));
   CHECK(to_row(sum) == to_row(whole));
   CHECK(sum.best_cell == whole.best_cell);
+  CHECK(sum.first_cells[static_cast<std::size_t>(Status::released)] == 1);
+  CHECK(sum.first_cells[static_cast<std::size_t>(Status::not_released)] == 0);
+  CHECK(sum.first_cells[static_cast<std::size_t>(Status::non_finite)] == no_cell);
   CHECK(to_tally(to_row(Tally{})).best_cell == Tally{}.best_cell);
 }
 

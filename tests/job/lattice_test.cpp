@@ -54,6 +54,12 @@ TEST_CASE("The lattice holds exactly the designs within the strict bounds") {
   }
 }
 
+TEST_CASE("The index of a design is the one that it was taken from") {
+  const Lattice lattice(Scene{}, LatticeSpec{});
+  for (const Index3& index : {Index3{0, 0, 0}, Index3{98, 0, 118}, Index3{41, 77, 13}})
+    CHECK(lattice.index_of(lattice.design(index)) == index);
+}
+
 TEST_CASE("An explicit axis includes both ends and ignores its bound") {
   LatticeSpec spec;
   spec.r1 = AxisRange{0.6, 0.8, 0.05};

@@ -38,3 +38,16 @@ TEST_CASE("A sample of a small lattice is the whole lattice") {
   CHECK(sample(lattice, 1000).size() == lattice.designs());
   CHECK(all_designs(lattice).size() == lattice.designs());
 }
+
+TEST_CASE("A sample of a box lies within it and is as large as requested, if the box is") {
+  const Lattice lattice(Scene{}, LatticeSpec{});
+  const Tile box{{10, 40, 60}, {7, 9, 80 - 60}};
+  const auto indices = sample_box(lattice, box, 50);
+  CHECK(std::set<Index3>(indices.begin(), indices.end()).size() == 50);
+  for (const Index3& index : indices) {
+    CHECK(lattice.holds(index));
+    for (std::size_t d = 0; d < 3; ++d)
+      CHECK((index[d] >= box.first[d] && index[d] < box.first[d] + box.count[d]));
+  }
+  CHECK(sample_box(lattice, box, 5000).size() == lattice.designs_in(box));
+}

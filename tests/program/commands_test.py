@@ -151,6 +151,57 @@ class Warnings(CommandTest):
         self.assertEqual(sum("sling that would go slack" in line for line in warnings), 0)
 
 
+class MeasuredError(CommandTest):
+    NAMES = ("error_median", "error_largest", "error_at_optimum", "error_designs")
+
+    def line(self, text):
+        return next(line for line in text.splitlines() if line.startswith("error "))
+
+    def test_summary_info_and_attributes_give_the_same_error(self):
+        line = self.line(self.run_program("sweep", self.job, *COARSE).stdout)
+        self.assertEqual(line, self.line(self.run_program("info", "job.h5").stdout))
+        with h5py.File(self.path("job.h5")) as file:
+            median, largest, at_optimum, designs = (file.attrs[name] for name in self.NAMES)
+        self.assertEqual(line, f"error     {median:.2g} median, {largest:.2g} largest of {designs} designs; "
+                               f"{at_optimum:.2g} at the optimum")
+        self.assertTrue(0 < median < largest < 1e-7)
+
+    def test_attributes_are_the_same_on_any_number_of_ranks(self):
+        attributes = []
+        for ranks in (1, 2, 3):
+            self.run_program("sweep", self.job, "--lattice.increment", "0.05", "--overwrite", ranks=ranks)
+            with h5py.File(self.path("job.h5")) as file:
+                attributes.append([file.attrs[name] for name in self.NAMES])
+        self.assertEqual(attributes[0], attributes[1])
+        self.assertEqual(attributes[0], attributes[2])
+
+    def test_check_no_leaves_out_the_error_and_the_warnings_that_need_it(self):
+        euler = self.write("euler.cfg", "[solver]\nstepper = euler\nrelease = window\ntime-step = 0.1\n")
+        done = self.run_program("sweep", euler, *COARSE, "--solver.check", "no")
+        self.assertEqual(self.line(done.stdout), "error     not measured")
+        self.assertEqual(done.stderr.count("warning: "), done.stderr.count("on the edge of the lattice"))
+        with h5py.File(self.path("euler.h5")) as file:
+            values = [file.attrs[name] for name in self.NAMES]
+        self.assertTrue(np.isnan(values[:3]).all())
+        self.assertEqual(values[3], 0)
+
+    def test_check_takes_yes_or_no(self):
+        self.assert_refused(["sweep", self.job, "--solver.check", "maybe"],
+                            "solver.check = maybe: must be one of no, yes")
+
+    def test_info_reads_archives_without_a_measured_error(self):
+        self.run_program("sweep", self.job, *COARSE)
+        with h5py.File(self.path("job.h5"), "r+") as file:  # as written by format version 3
+            for name in self.NAMES:
+                del file.attrs[name]
+            former = file["tile_tally"][:, :15]
+            del file["tile_tally"]
+            file["tile_tally"] = former
+        info = self.run_program("info", "job.h5").stdout
+        self.assertEqual(self.line(info), "error     not measured")
+        self.assertIn("optimum   1", info)
+
+
 class AccurateByDefault(CommandTest):
     TABLETOP = ("[scene]\nfulcrum-height = 0.3\nrelease-height = 0.4\ncounterweight-mass = 2\n"
                 "projectile-mass = 0.02\nbeam-side = 0.01\nbeam-density = 700\n"

@@ -19,8 +19,10 @@ std::vector<std::string> warnings_of(const Job& job) {
     if (has_speed(result.status) && (!summary.optimum || result.speed > summary.optimum->speed))
       summary.optimum = {design, result.speed, result.release_time};
   }
-  return warnings(
-      job, lattice, summary, [] { return false; }, MPI_COMM_WORLD);
+  const auto never = [] { return false; };
+  const auto sample = measure_error(job, lattice, summary, never, MPI_COMM_WORLD);
+  summary.error = sample->error;
+  return warnings(job, lattice, summary, sample->checks);
 }
 
 /// The number of lines that contain the words.
@@ -80,12 +82,22 @@ TEST_CASE("Designs released at the start are not reported to create energy") {
   CHECK(count(warnings_of(job), "efficiency") == 0);
 }
 
-TEST_CASE("No design is checked once the sweep is stopped") {
+TEST_CASE("A tolerance that is too loose for accurate speeds is reported") {
+  Job job = coarse_job();
+  job.scene.sling_stiffness = 1e7;
+  job.scene.sling_damping = 1e4;
+  job.solver.stepper = "fehlberg78";
+  job.solver.tolerance = 0.1;
+  CHECK(count(warnings_of(job), "the tolerance is loose") == 1);
+}
+
+TEST_CASE("Without checks only the edges of the lattice are reported") {
   Job job = coarse_job();
   job.solver = paper_solver();
   job.solver.time_step = 0.2;
   const Lattice lattice(job.scene, job.lattice);
-  CHECK(warnings(
-            job, lattice, Summary{}, [] { return true; }, MPI_COMM_WORLD)
-            .empty());
+  Summary summary;
+  CHECK(warnings(job, lattice, summary, {}).empty());
+  summary.optimum = {lattice.design({0, 0, 0}), 1, 1};
+  CHECK(warnings(job, lattice, summary, {}).size() == 1);
 }

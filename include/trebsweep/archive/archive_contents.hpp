@@ -3,10 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "trebsweep/archive/tally.hpp"
+#include "trebsweep/archive/summary.hpp"
 #include "trebsweep/job/lattice.hpp"
 
 namespace trebsweep {
@@ -23,6 +24,7 @@ struct ArchiveContents {
   std::uint64_t tiles = 0;
   std::uint64_t tiles_done = 0;  ///< leading tiles that are marked done
   Tally tally;                   ///< sum over the tiles done
+  std::optional<MeasuredError> error;
 
   bool complete() const { return tiles_done == tiles; }
 };

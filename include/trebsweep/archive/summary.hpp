@@ -21,16 +21,27 @@ struct Optimum {
   double release_time;  ///< s
 };
 
+/// The error of a sweep's speeds, measured on a sample of the lattice.
+struct MeasuredError {
+  double median;          ///< m/s: of designs spread evenly over the lattice
+  double largest;         ///< m/s: of all designs of the sample
+  double at_optimum;      ///< m/s: NaN if the optimum has no release
+  std::uint64_t designs;  ///< in the sample
+};
+
 /// Result of a sweep, reduced over all ranks.
 struct Summary {
   std::array<std::uint64_t, status_names.size()> statuses{};  ///< designs of each Status
   std::uint64_t steps = 0;                                    ///< steps tried, over all designs
-  std::uint64_t lane_steps = 0;    ///< steps of all lanes, including idle ones
-  std::optional<Optimum> optimum;  ///< nothing if no design has a speed
-  double integration_seconds = 0;  ///< sum over rounds of the slowest rank's time
-  double sweep_seconds = 0;        ///< integration and writing
-  bool complete = true;            ///< false if the sweep was stopped
-  bool partial_created = true;     ///< false if it was stopped before the partial file existed
+  std::uint64_t lane_steps = 0;                   ///< steps of all lanes, including idle ones
+  std::optional<Optimum> optimum;                 ///< nothing if no design has a speed
+  std::vector<Design<double>> first_of_statuses;  ///< the first design of each status that occurs
+  std::optional<MeasuredError> error;             ///< nothing if it was not measured
+  std::vector<std::string> warnings;              ///< reasons to doubt the result, a line for each
+  double integration_seconds = 0;                 ///< sum over rounds of the slowest rank's time
+  double sweep_seconds = 0;                       ///< integration and writing
+  bool complete = true;                           ///< false if the sweep was stopped
+  bool partial_created = true;  ///< false if it was stopped before the partial file existed
 
   std::uint64_t designs() const;
 

@@ -10,6 +10,10 @@
 
 namespace trebsweep {
 
+/// The index of no design. Within the range of signed integers: in MPICH 4.0 MPI_MIN compares
+/// unsigned ones as signed.
+inline constexpr std::uint64_t no_cell = std::numeric_limits<std::int64_t>::max();
+
 /// Counts and optimum of a set of designs, such as those of a tile. Tallies of disjoint sets can be
 /// added in any order.
 struct Tally {
@@ -18,7 +22,13 @@ struct Tally {
   std::uint64_t lane_steps = 0;  ///< steps of all lanes, including idle ones
   double best_speed = -1;        ///< m/s; -1 if no design has a speed
   double best_time = -1;         ///< release time of the best design, s
-  std::uint64_t best_cell = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t best_cell = no_cell;
+  /// The lowest index of a design of each Status.
+  std::array<std::uint64_t, status_names.size()> first_cells = [] {
+    std::array<std::uint64_t, status_names.size()> cells{};
+    cells.fill(no_cell);
+    return cells;
+  }();
   /// Wall time of whole rounds on all ranks, s. Only one tile of a round carries it, so that the
   /// sum over tiles counts each round once.
   double integration_seconds = 0, sweep_seconds = 0;
@@ -33,14 +43,22 @@ struct Tally {
   void add(const Tally& other);
 };
 
-/// The columns of tile_tally in the archive: the number of designs of each status, then the rest.
+/// The columns of tile_tally in the archive: the number of designs of each status, the rest, and
+/// the lowest index of a design of each status, which archives of format version 3 lack.
 inline constexpr auto tally_columns = [] {
   constexpr std::array<std::string_view, 7> rest{
       "steps",     "lane_steps",          "best_speed",   "best_release_time",
       "best_cell", "integration_seconds", "sweep_seconds"};
-  std::array<std::string_view, status_names.size() + rest.size()> columns;
-  std::copy(rest.begin(), rest.end(),
-            std::copy(status_names.begin(), status_names.end(), columns.begin()));
+  constexpr std::array<std::string_view, 8> first_cells{
+      "first_outside_lattice", "first_released",
+      "first_not_released",    "first_unreachable_start",
+      "first_step_budget",     "first_step_underflow",
+      "first_non_finite",      "first_released_below_ground"};
+  static_assert(first_cells.size() == status_names.size());
+  std::array<std::string_view, status_names.size() + rest.size() + first_cells.size()> columns;
+  auto end = std::copy(status_names.begin(), status_names.end(), columns.begin());
+  end = std::copy(rest.begin(), rest.end(), end);
+  std::copy(first_cells.begin(), first_cells.end(), end);
   return columns;
 }();
 

@@ -48,6 +48,14 @@ void sum(std::span<std::uint64_t> values, MPI_Comm comm);
 /// Element-wise sums on rank 0; on the other ranks `values` is unspecified afterwards. Collective.
 void sum_on_root(std::span<double> values, MPI_Comm comm);
 
+/// Merges arrays whose bytes are zero wherever they belong to another rank. Collective.
+template <class Value>
+void merge(std::span<Value> values, MPI_Comm comm) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size_bytes()), MPI_BYTE,
+                MPI_BOR, comm);
+}
+
 /// Returns f(0), ..., f(n - 1) on every rank; f(i) is computed by rank i % size. Collective.
 template <class F>
 auto share(std::size_t n, MPI_Comm comm, F f) {
@@ -59,9 +67,7 @@ auto share(std::size_t n, MPI_Comm comm, F f) {
     const Result result = f(i);
     std::memcpy(&bytes[i * sizeof(Result)], &result, sizeof(Result));
   }
-  // Entries computed by other ranks are zero here, so OR merges them.
-  MPI_Allreduce(MPI_IN_PLACE, bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, MPI_BOR,
-                comm);
+  merge(std::span(bytes), comm);
   std::vector<Result> results(n);
   if (n > 0) std::memcpy(results.data(), bytes.data(), bytes.size());
   return results;

@@ -46,6 +46,9 @@ KeyKind<std::vector<std::string>> paths();
 /// One of the names.
 KeyKind<std::string> choice(std::span<const std::string_view> names);
 
+/// yes or no.
+KeyKind<bool> yes_no();
+
 /// The words of a list, separated by commas, spaces or both.
 std::vector<std::string> to_words(const std::string& text);
 

@@ -59,6 +59,9 @@ class Lattice {
     return {axes_[0][i[0]], axes_[1][i[1]], axes_[2][i[2]]};
   }
 
+  /// The index of a design of the lattice.
+  Index3 index_of(const Design<double>& design) const;
+
   /// The number of designs in a tile.
   std::uint64_t designs_in(const Tile& tile) const;
 

@@ -9,8 +9,15 @@ namespace trebsweep {
 /// Every design of a lattice, in storage order.
 std::vector<Design<double>> all_designs(const Lattice& lattice);
 
-/// Representative designs of a lattice: the corners of its triangular prism, and `count` more taken
-/// from Sobol's low-discrepancy sequence. All designs, if the lattice has no more than that.
+/// The indices of `count` designs in a box of the lattice, taken from Sobol's low-discrepancy
+/// sequence; of all designs in it, if there are no more. In storage order.
+std::vector<Index3> sample_box(const Lattice& lattice, const Tile& box, std::size_t count);
+
+/// The indices of representative designs of a lattice: the corners of its triangular prism, and
+/// `count` more from Sobol's sequence. Of all designs, if the lattice has no more than that.
+std::vector<Index3> sample_indices(const Lattice& lattice, std::size_t count);
+
+/// The designs of sample_indices().
 std::vector<Design<double>> sample(const Lattice& lattice, std::size_t count);
 
 }  // namespace trebsweep

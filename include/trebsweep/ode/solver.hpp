@@ -30,6 +30,7 @@ struct Solver {
   double release_window = 0.05;       ///< rad; the paper's value
   double max_time = 10;               ///< s: a swing without a release by then is not_released
   std::uint64_t max_steps = 1000000;  ///< per swing, accepted and rejected
+  bool check = true;                  ///< whether a sweep measures the error of its speeds
 };
 
 /// The step (s) of a solver with a fixed stepper, else its tolerance.

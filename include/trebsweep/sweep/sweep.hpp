@@ -22,10 +22,10 @@ struct SweepOptions {
   std::function<bool()> stop = [] { return false; };  ///< polled on every rank
 };
 
-/// Integrates every design of the job's lattice and writes the archive; continues an interrupted
-/// sweep of the same job. Collective. Returns the summary, the same on all ranks, or nothing if the
-/// complete archive of this job already exists. If `stop` is true on any rank, all ranks stop, and
-/// the partial archive keeps the tiles that are marked done.
+/// Integrates every design of the job's lattice, measures the error of the speeds, and writes the
+/// archive; continues an interrupted sweep of the same job. Collective. Returns the summary, the
+/// same on all ranks, or nothing if the complete archive of this job already exists. If `stop` is
+/// true on any rank, all ranks stop, and the partial archive keeps the tiles that are marked done.
 /// Throws, on all ranks, InputError if the job or the path of its archive is invalid, and
 /// mpi::RootError if an archive cannot be created or an unfinished sweep cannot be continued.
 std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Comm comm);

@@ -11,8 +11,11 @@ namespace trebsweep {
 /// lanes is the sum of the results' steps over Work::lane_steps.
 Work integrate(const Scene& scene, const Solver& solver, const Batch& batch);
 
-/// fehlberg78 at a tolerance of 1e-12, with the limits of `limits`: errors below 1e-11 m/s on the
-/// paper's lattice.
-Solver accurate(const Solver& limits);
+/// Integrates designs far more accurately than a job does: to phi1 = pi, by fehlberg78, or dopri5
+/// in scenes with an elastic sling, at a tolerance of 1e-13. A swing whose steps underflow or
+/// exceed 100,000 is integrated again at 1e-12, 1e-11 and at last 1e-10. Errors are below 1e-11 m/s
+/// on the paper's lattice. Of `solver`, only stepper and max_time are used.
+void integrate_accurately(const Scene& scene, const Solver& solver,
+                          std::span<const Design<double>> designs, std::span<SwingResult> results);
 
 }  // namespace trebsweep

@@ -1,0 +1,150 @@
+#include "trebsweep/sweep/measured_error.hpp"
+
+#include <cstring>
+
+#include "support/catch.hpp"
+#include "support/paper_solver.hpp"
+#include "trebsweep/base/mpi.hpp"
+#include "trebsweep/job/sample.hpp"
+#include "trebsweep/swing/integrate.hpp"
+#include "trebsweep/swing/reference.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+bool never() { return false; }
+
+/// The results of a job's whole lattice.
+struct Results {
+  std::vector<Design<double>> designs;
+  std::vector<SwingResult> swings;
+};
+
+Results integrate_all(const Job& job) {
+  Results all;
+  all.designs = all_designs(Lattice(job.scene, job.lattice));
+  all.swings.resize(all.designs.size());
+  integrate(job.scene, job.solver, {all.designs, all.swings});
+  return all;
+}
+
+Summary summary_of(const Job& job, const Results& all) {
+  const Lattice lattice(job.scene, job.lattice);
+  Tally tally;
+  for (std::size_t n = 0; n < all.designs.size(); ++n) {
+    const Index3 i = lattice.index_of(all.designs[n]), extent = lattice.extent();
+    tally.add(all.swings[n], (i[0] * extent[1] + i[1]) * extent[2] + i[2]);
+  }
+  return to_summary(tally, lattice.axes());
+}
+
+ErrorSample measure(const Job& job, const Results& all, MPI_Comm comm = MPI_COMM_WORLD) {
+  const Lattice lattice(job.scene, job.lattice);
+  const auto sample = measure_error(job, lattice, summary_of(job, all), never, comm);
+  REQUIRE(sample);
+  return *sample;
+}
+
+/// A job on a lattice of some ten thousand designs.
+Job medium_job() {
+  Job job;
+  job.lattice.increment = 0.04;
+  return job;
+}
+
+}  // namespace
+
+TEST_CASE("No error on the whole lattice is larger than three times the measured largest one") {
+  std::vector<Job> jobs(5, medium_job());
+  jobs[1].solver = paper_solver();
+  jobs[2].solver.stepper = "dopri5";
+  jobs[3].scene.pivot_friction = 510;
+  jobs[4].scene.sling_stiffness = 3e5;
+  jobs[4].scene.sling_damping = 500;
+  jobs[4].scene.sling_mass = 1;
+  for (const Job& job : jobs) {
+    const Results all = integrate_all(job);
+    const auto error = measure(job, all).error;
+    REQUIRE(error);
+    std::vector<SwingResult> truth(all.designs.size());
+    integrate_accurately(job.scene, job.solver, all.designs, truth);
+    std::vector<double> errors;
+    for (std::size_t n = 0; n < truth.size(); ++n)
+      errors.push_back(std::abs(all.swings[n].speed - truth[n].speed));
+    std::sort(errors.begin(), errors.end());
+    CHECK(errors.back() < 3 * error->largest);
+    CHECK(error->largest < 1.001 * errors.back());
+    CHECK(error->median == Approx(errors[errors.size() / 2]).epsilon(0.2));
+  }
+}
+
+TEST_CASE("The measured error is bitwise the same on any number of ranks") {
+  const Job job = medium_job();
+  const Results all = integrate_all(job);
+  const auto together = measure(job, all), alone = measure(job, all, MPI_COMM_SELF);
+  REQUIRE(together.error);
+  CHECK(std::memcmp(&*together.error, &*alone.error, sizeof(MeasuredError)) == 0);
+  REQUIRE(together.checks.size() == alone.checks.size());
+  for (std::size_t i = 0; i < alone.checks.size(); ++i)
+    REQUIRE(together.checks[i].accurate_speed == alone.checks[i].accurate_speed);
+}
+
+TEST_CASE("The error at the optimum is that of quadruple precision") {
+  for (const double tolerance : {1e-6, 1e-9, 1e-13}) {
+    Job job = medium_job();
+    job.solver.tolerance = tolerance;
+    const Results all = integrate_all(job);
+    const Optimum best = *summary_of(job, all).optimum;
+    const double truth = reference(job.scene, best.design, job.solver).speed;
+    const double error = std::abs(best.speed - truth);
+    CHECK(measure(job, all).error->at_optimum == Approx(error).epsilon(0.01).margin(4e-15));
+  }
+}
+
+TEST_CASE("The checks include a status that a single design has") {
+  Job job = medium_job();
+  Results all = integrate_all(job);
+  std::vector<double> times;
+  for (const SwingResult& swing : all.swings) times.push_back(swing.release_time);
+  std::sort(times.begin(), times.end());
+  job.solver.max_time = (times.back() + times[times.size() - 2]) / 2;
+  all = integrate_all(job);
+  const Summary summary = summary_of(job, all);
+  REQUIRE(summary.statuses[static_cast<std::size_t>(Status::not_released)] == 1);
+  const auto checks = measure(job, all).checks;
+  CHECK(std::count_if(checks.begin(), checks.end(),
+                      [](const Check& c) { return c.status == Status::not_released; }) == 1);
+}
+
+TEST_CASE("Every design of a lattice without a release is checked, and no error is measured") {
+  Job job;
+  job.lattice.increment = 0.2;
+  job.scene.pivot_friction = 1e9;
+  const auto [checks, error] = measure(job, integrate_all(job));
+  CHECK(checks.size() == Lattice(job.scene, job.lattice).designs());
+  CHECK_FALSE(error);
+}
+
+TEST_CASE("Designs that cannot be integrated accurately are left out") {
+  Job job;  // far too stiff for an explicit stepper
+  job.scene.sling_stiffness = 1e12;
+  job.scene.sling_damping = 1e12;
+  job.solver.stepper = "rosenbrock4";
+  job.solver.tolerance = 1e-4;
+  job.lattice.r1 = AxisRange{0.51, 0.52, 0.01};
+  job.lattice.r3 = job.lattice.r2 = AxisRange{0.6, 0.6, 1};
+  const Results all = integrate_all(job);
+  REQUIRE(all.swings[0].status == Status::released);
+  const auto [checks, error] = measure(job, all);
+  CHECK(checks.empty());
+  CHECK_FALSE(error);
+}
+
+TEST_CASE("No error is returned once any rank is stopped") {
+  const Job job = medium_job();
+  const Lattice lattice(job.scene, job.lattice);
+  const auto stopped = [] { return mpi::rank(MPI_COMM_WORLD) == 0; };
+  CHECK_FALSE(
+      measure_error(job, lattice, summary_of(job, integrate_all(job)), stopped, MPI_COMM_WORLD));
+}
