@@ -47,6 +47,7 @@ void sum(std::span<std::uint64_t> values, MPI_Comm comm);
 
 /// Element-wise sums on rank 0; on the other ranks `values` is unspecified afterwards. Collective.
 void sum_on_root(std::span<double> values, MPI_Comm comm);
+void sum_on_root(std::span<std::uint64_t> values, MPI_Comm comm);
 
 /// Returns f(0), ..., f(n - 1) on every rank; f(i) is computed by rank i % size. Collective.
 template <class F>
