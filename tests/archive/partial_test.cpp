@@ -36,8 +36,8 @@ void fill_with_garbage(const std::filesystem::path& path, const std::vector<MapI
 RunId create_without_maps(const std::filesystem::path& path, const SmallLattice& small,
                           const std::string& history = "") {
   const auto run_id =
-      create_partial(path, {small.lattice, small.tiling, {}, {}, {{"history", history}}},
-                     never_stop, MPI_COMM_SELF);
+      create_partial(path, {small.lattice, small.tiling, {}, 0, {{"history", history}}}, never_stop,
+                     MPI_COMM_SELF);
   REQUIRE(run_id);
   return *run_id;
 }
@@ -47,7 +47,7 @@ RunId create_without_maps(const std::filesystem::path& path, const SmallLattice&
 TEST_CASE("The size of an archive is known before it is created") {
   const SmallLattice small;
   const auto maps = two_maps(MapType::float64);
-  const Skeleton uncompressed{small.lattice, small.tiling, maps, {{0, small.tiling.size()}}, {}},
+  const Skeleton uncompressed{small.lattice, small.tiling, maps, 0, {}},
       compressed{small.lattice, small.tiling, maps, 1, {}};
   for (const Skeleton& skeleton : {uncompressed, compressed}) {
     const TemporaryFile file("archive_size");
@@ -62,7 +62,7 @@ TEST_CASE("The size of an archive is known before it is created") {
 
 TEST_CASE("An archive that cannot be created is an error that names the cause") {
   const SmallLattice small;
-  CHECK_THROWS_WITH(create_partial("/nowhere/a.h5", {small.lattice, small.tiling, {}, {}, {}},
+  CHECK_THROWS_WITH(create_partial("/nowhere/a.h5", {small.lattice, small.tiling, {}, 0, {}},
                                    never_stop, MPI_COMM_WORLD),
                     contains("cannot create /nowhere/a.h5.partial") && contains("No such file"));
 }
