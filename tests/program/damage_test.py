@@ -181,22 +181,25 @@ class Repairs(DamageTest):
                 self.flip("job.h5.partial", "speed", tile)
             self.assertEqual(self.repair(compression, ranks=2), f"2 to 3, {last}")
 
-    def test_a_tile_with_a_damaged_tally_is_computed_again(self):
+    def test_tiles_with_damaged_tallies_are_computed_again(self):
+        cases = (("released", -1, "released in a tally is -1"), ("released", np.nan, "released in a tally is nan"),
+                 ("best_cell", 1e14, "outside the lattice"))
+        self.assertEqual(self.make_partial(0), len(cases))
         with h5py.File(self.path("plain0.h5")) as plain:
             columns = plain["tile_tally"].attrs["columns"].split()
-        for column, value, message in (("released", -1, "released in a tally is -1"),
-                                       ("released", np.nan, "released in a tally is nan"),
-                                       ("best_cell", 1e14, "outside the lattice"), ("best_speed", 1e9, None)):
+        for tile, (column, value, message) in enumerate(cases):
             self.make_partial(0)
             with h5py.File(self.path("job.h5.partial"), "r+") as partial:
-                partial["tile_tally"][1, columns.index(column)] = value
-            if message:
-                self.assertIn(message, self.run_program("info", "job.h5.partial", code=1).stderr)
-            self.assertEqual(self.verify("job.h5.partial"), {("tile_tally", 1)})
-            self.assertEqual(self.repair(0, ranks=2), "1")
+                partial["tile_tally"][tile, columns.index(column)] = value
+            self.assertIn(message, self.run_program("info", "job.h5.partial", code=1).stderr)
+            self.assertEqual(self.verify("job.h5.partial"), {("tile_tally", tile)})
+        with h5py.File(self.path("job.h5.partial"), "r+") as partial:
+            partial["tile_tally"][0, columns.index("best_speed")] = 1e9  # possible, but wrong
+            partial["tile_tally"][1, columns.index("released")] = -1
+        self.assertEqual(self.repair(0, ranks=2), "0 to 2")
 
 
-class Version3(DirectoryTest):
+class OlderFormat(DirectoryTest):
     """An archive that a program with format_version 3 wrote: a sweep of 60 designs, before checksums."""
 
     @classmethod
@@ -210,7 +213,8 @@ class Version3(DirectoryTest):
         self.assertIn("version3.h5, complete", text)
         self.assertIn("optimum   10.97422340 m/s at r1 = 0.7, r2 = 0.8, r3 = 0.5 m", text)
         for script, *options in (("heatmap.py", "--field", "slack"), ("optimum.py",)):
-            done = self.run_command(sys.executable, os.path.join(REPOSITORY, "analysis", script), "version3.h5", *options)
+            script = os.path.join(REPOSITORY, "analysis", script)
+            done = self.run_command(sys.executable, script, "version3.h5", *options)
             self.assertNotIn("damaged", done.stderr)
 
     def test_it_is_not_verified(self):
