@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cstring>
 #include <stdexcept>
 
 #include "trebsweep/archive/archive_format.hpp"
@@ -20,8 +20,8 @@ std::size_t read_edge(hid_t tile_done, const char* name, std::size_t extent) {
   return static_cast<std::size_t>(edge);
 }
 
-/// The sum of the tallies of the first `done` tiles.
-Tally read_tally(hid_t file, std::uint64_t tiles, std::uint64_t done, std::uint64_t cells) {
+/// The tallies of the first `done` tiles.
+std::vector<TallyRow> read_tallies(hid_t file, std::uint64_t tiles, std::uint64_t done) {
   const auto values = hdf5::read_numbers(file, "tile_tally");
   constexpr std::size_t columns = tally_columns.size();
   // Archives of format version 3 lack the last columns, the first cell of each status.
@@ -30,22 +30,12 @@ Tally read_tally(hid_t file, std::uint64_t tiles, std::uint64_t done, std::uint6
   if (values.size() != tiles * columns && !is_former)
     untrusted::fail("tile_tally does not have one row per tile");
   const std::size_t stored = is_former ? former_columns : columns;
-  Tally sum;
+  std::vector<TallyRow> rows(done);
   for (std::uint64_t t = 0; t < done; ++t) {
-    TallyRow row;
-    row.fill(-1);  // no cell
-    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(t * stored), stored, row.begin());
-    const Tally tally = to_tally(row);
-    if (tally.designs() == 0)
-      untrusted::fail(fmt::format("tile {} is marked done but has no designs", t));
-    if (tally.best_speed >= 0 && tally.best_cell >= cells)
-      untrusted::fail(fmt::format("the best design of tile {} lies outside the lattice", t));
-    for (const std::uint64_t first : tally.first_cells)
-      if (first != no_cell && first >= cells)
-        untrusted::fail(fmt::format("a design of tile {} lies outside the lattice", t));
-    sum.add(tally);
+    rows[t].fill(-1);  // no cell
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(t * stored), stored, rows[t].begin());
   }
-  return sum;
+  return rows;
 }
 
 /// The measured error of a complete sweep, or none if it was not measured.
@@ -72,10 +62,11 @@ void check_maps(hid_t file, const ArchiveContents& contents) {
 ArchiveContents read(const std::filesystem::path& path) {
   const hdf5::File file = untrusted::open(path);
   const double format = hdf5::read_number_attribute(file, "format_version");
-  if (format != format_version)
-    throw std::runtime_error(
-        fmt::format("format_version is {}, this program reads {}", format, format_version));
+  if (format != format_version && format != oldest_format_version)
+    throw std::runtime_error(fmt::format("format_version is {}, this program reads {} and {}",
+                                         format, oldest_format_version, format_version));
   ArchiveContents contents;
+  contents.format_version = static_cast<unsigned>(format);
   contents.job = untrusted::read_text(file, "job");
   contents.scene = untrusted::read_text(file, "scene");
   contents.source = untrusted::read_text(file, "source");
@@ -88,23 +79,45 @@ ArchiveContents read(const std::filesystem::path& path) {
   contents.axes = {hdf5::read_numbers(file, "r1"), hdf5::read_numbers(file, "r3"),
                    hdf5::read_numbers(file, "r2")};
   const hdf5::Dataset tile_done = hdf5::open_dataset(file, "tile_done");
-  std::uint64_t cells = 1;
   constexpr std::array edges{"edge_r1", "edge_r3", "edge_r2"};
-  for (std::size_t d = 0; d < 3; ++d) {
-    const std::size_t extent = contents.axes[d].size();
-    contents.tile_edge[d] = read_edge(tile_done, edges[d], extent);
-    cells *= extent;
-  }
+  for (std::size_t d = 0; d < 3; ++d)
+    contents.tile_edge[d] = read_edge(tile_done, edges[d], contents.axes[d].size());
   const auto done = hdf5::read_numbers(file, "tile_done");
   contents.tiles = done.size();
   contents.tiles_done = untrusted::count_done(done);
-  contents.tally = read_tally(file, contents.tiles, contents.tiles_done, cells);
+  contents.tallies = read_tallies(file, contents.tiles, contents.tiles_done);
   contents.error = read_error(file);
   check_maps(file, contents);
   return contents;
 }
 
 }  // namespace
+
+Tally ArchiveContents::tally(std::span<const TileRange> without) const {
+  const std::uint64_t cells = axes[0].size() * axes[1].size() * axes[2].size();
+  Tally sum;
+  for (std::uint64_t t = 0; t < tiles_done; ++t) {
+    while (!without.empty() && without.front().end <= t) without = without.subspan(1);
+    if (!without.empty() && without.front().first <= t) continue;
+    const Tally tally = to_tally(tallies[t]);
+    if (tally.designs() == 0)
+      untrusted::fail(fmt::format("tile {} is marked done but has no designs", t));
+    if (tally.best_speed >= 0 && tally.best_cell >= cells)
+      untrusted::fail(fmt::format("the best design of tile {} lies outside the lattice", t));
+    for (const std::uint64_t first : tally.first_cells)
+      if (first != no_cell && first >= cells)
+        untrusted::fail(fmt::format("a design of tile {} lies outside the lattice", t));
+    sum.add(tally);
+  }
+  return sum;
+}
+
+Tiling ArchiveContents::tiling(const Lattice& lattice) const {
+  if (axes != lattice.axes()) untrusted::fail("its lattice is not that of its job");
+  const Tiling tiling(lattice, tile_edge);
+  if (tiles != tiling.size()) untrusted::fail("its tiles are not those of its lattice");
+  return tiling;
+}
 
 ArchiveContents read_contents(const std::filesystem::path& path) {
   return untrusted::read(path, [&] { return read(path); });

@@ -27,6 +27,13 @@ void write_attributes(hid_t file, const Attributes& attributes) {
     std::visit([&, &key = name](const auto& v) { hdf5::write_attribute(file, key, v); }, value);
 }
 
+std::vector<std::string> checksum_columns(const std::vector<MapInfo>& maps) {
+  std::vector<std::string> columns;
+  for (const MapInfo& map : maps) columns.push_back(map.dataset);
+  columns.push_back("tile_tally");
+  return columns;
+}
+
 hid_t file_type(MapType type) {
   switch (type) {
     case MapType::float64:

@@ -1,7 +1,11 @@
 #include "trebsweep/archive/archive_writer.hpp"
 
 #include <array>
+#include <bit>
+#include <cstring>
+#include <stdexcept>
 
+#include "trebsweep/archive/checksum.hpp"
 #include "trebsweep/archive/partial.hpp"
 #include "trebsweep/base/mpi.hpp"
 
@@ -21,12 +25,30 @@ hdf5::Properties collective_transfer() {
   return transfer;
 }
 
+static_assert(std::endian::native == std::endian::little, "as in the file");
+
 template <class Number>
-void write_numbers(hid_t dataset, hid_t memory_type, hid_t memory, hid_t file, hid_t transfer,
-                   const std::vector<double>& values) {
-  // Converted here because HDF5 makes a collective write independent if it has to convert types.
-  const std::vector<Number> numbers(values.begin(), values.end());
-  check(H5Dwrite(dataset, memory_type, memory, file, transfer, numbers.data()), "write a map");
+std::vector<std::byte> bytes_of(const std::vector<double>& values) {
+  std::vector<std::byte> bytes(values.size() * sizeof(Number));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto number = static_cast<Number>(values[i]);
+    std::memcpy(&bytes[i * sizeof number], &number, sizeof number);
+  }
+  return bytes;
+}
+
+/// The values as in the file. Converted here because HDF5 makes a collective write independent if
+/// it has to convert types.
+std::vector<std::byte> bytes_of(const std::vector<double>& values, MapType type) {
+  switch (type) {
+    case MapType::float64:
+      return bytes_of<double>(values);
+    case MapType::float32:
+      return bytes_of<float>(values);
+    case MapType::uint8:
+      return bytes_of<unsigned char>(values);
+  }
+  throw std::logic_error("unknown map type");
 }
 
 /// Writes rows of a dataset that has one row per tile; called by one rank.
@@ -54,54 +76,63 @@ ArchiveWriter::ArchiveWriter(const std::filesystem::path& path, const std::vecto
     maps_.push_back({hdf5::open_dataset(*file_, map.dataset), map.type});
   tile_done_ = hdf5::open_dataset(*file_, "tile_done");
   tile_tally_ = hdf5::open_dataset(*file_, "tile_tally");
+  tile_checksum_ = hdf5::open_dataset(*file_, "tile_checksum");
 }
 
-void ArchiveWriter::write_maps(const std::optional<Tile>& tile,
-                               std::span<const std::vector<double>> maps) {
+std::vector<std::uint64_t> ArchiveWriter::write_maps(const std::optional<Tile>& tile,
+                                                     std::span<const std::vector<double>> maps) {
+  std::vector<std::uint64_t> checksums;
   for (std::size_t m = 0; m < maps_.size(); ++m) {
-    const Map& map = maps_[m];
-    const hdf5::Dataspace file(H5Dget_space(map.dataset), "write a map");
+    const auto& [dataset, type] = maps_[m];
+    const hdf5::Dataspace file(H5Dget_space(dataset), "write a map");
     // Of the same rank as the file's: otherwise HDF5 maps the selection to chunks value by value.
     const auto extent = sizes(tile ? tile->count : Index3{1, 1, 1});
     const hdf5::Dataspace memory(H5Screate_simple(3, extent.data(), nullptr), "write a map");
-    static const std::vector<double> no_values;
+    std::vector<std::byte> bytes;
     if (tile) {
       const auto first = sizes(tile->first);
       check(
           H5Sselect_hyperslab(file, H5S_SELECT_SET, first.data(), nullptr, extent.data(), nullptr),
           "write a map");
+      bytes = bytes_of(maps[m], type);
+      checksums.push_back(checksum(bytes));
     } else {
       check(H5Sselect_none(file), "write a map");
       check(H5Sselect_none(memory), "write a map");
     }
-    const std::vector<double>& values = tile ? maps[m] : no_values;
-    switch (map.type) {
-      case MapType::float64:
-        write_numbers<double>(map.dataset, H5T_NATIVE_DOUBLE, memory, file, collective_, values);
-        break;
-      case MapType::float32:
-        write_numbers<float>(map.dataset, H5T_NATIVE_FLOAT, memory, file, collective_, values);
-        break;
-      case MapType::uint8:
-        write_numbers<unsigned char>(map.dataset, H5T_NATIVE_UCHAR, memory, file, collective_,
-                                     values);
-        break;
-    }
+    check(H5Dwrite(dataset, file_type(type), memory, file, collective_, bytes.data()),
+          "write a map");
   }
+  return checksums;
 }
 
-void ArchiveWriter::write(const std::optional<Tile>& tile,
-                          std::span<const std::vector<double>> maps) {
-  write_partial(partial_path(path_), [&] { write_maps(tile, maps); });
+std::vector<std::uint64_t> ArchiveWriter::write(const std::optional<Tile>& tile,
+                                                std::span<const std::vector<double>> maps) {
+  std::vector<std::uint64_t> checksums;
+  write_partial(partial_path(path_), [&] { checksums = write_maps(tile, maps); });
+  return checksums;
 }
 
-void ArchiveWriter::checkpoint(std::uint64_t first, std::span<const TallyRow> tallies) {
+void ArchiveWriter::write_results(std::uint64_t first, std::span<const TallyRow> tallies,
+                                  std::span<const std::uint64_t> checksums) {
+  write_rows(*tile_tally_, first, tallies.size(), tally_columns.size(), H5T_NATIVE_DOUBLE,
+             tallies.data());
+  std::vector<std::uint64_t> rows;
+  for (std::size_t t = 0; t < tallies.size(); ++t) {
+    const auto of_tile = checksums.subspan(t * maps_.size(), maps_.size());
+    rows.insert(rows.end(), of_tile.begin(), of_tile.end());
+    rows.push_back(checksum(std::as_bytes(std::span(tallies[t]))));
+  }
+  write_rows(*tile_checksum_, first, tallies.size(), maps_.size() + 1, H5T_NATIVE_UINT64,
+             rows.data());
+}
+
+void ArchiveWriter::checkpoint(std::uint64_t first, std::span<const TallyRow> tallies,
+                               std::span<const std::uint64_t> checksums) {
   write_partial(partial_path(path_), [&] {
     const bool root = mpi::rank(comm_) == 0;
-    if (root)
-      write_rows(*tile_tally_, first, tallies.size(), tally_columns.size(), H5T_NATIVE_DOUBLE,
-                 tallies.data());
-    // Data and tallies must be in the file before the marks.
+    if (root) write_results(first, tallies, checksums);
+    // Data, tallies and checksums must be in the file before the marks.
     flush();
     const std::vector<unsigned char> done(tallies.size(), 1);
     if (root) write_rows(*tile_done_, first, done.size(), 1, H5T_NATIVE_UCHAR, done.data());
@@ -123,6 +154,7 @@ void ArchiveWriter::close() {
     flush();
     tile_done_.reset();
     tile_tally_.reset();
+    tile_checksum_.reset();
     maps_.clear();
     file_->close("close the file");
   });

@@ -134,15 +134,17 @@ bool fill_uncompressed(const std::filesystem::path& path, const std::vector<MapI
   return true;
 }
 
-void reset_edge_chunks(hid_t file, const MapInfo& info, const Tiling& tiling, std::uint64_t done) {
+void reset_edge_chunks(hid_t file, const MapInfo& info, const Tiling& tiling,
+                       const std::vector<TileRange>& tiles) {
   const hdf5::Dataset map = hdf5::open_dataset(file, info.dataset);
   const hdf5::Properties properties(H5Dget_create_plist(map), "read a map's properties");
   if (H5Pget_nfilters(properties) == 0) return;
   const auto empty = empty_chunk(properties, info, tiling.edge());
-  for (std::uint64_t t = done; t < tiling.size(); ++t) {
-    const Tile tile = tiling.tile(t);
-    if (tile.count != tiling.edge()) write_chunk(map, tile, empty);
-  }
+  for (const auto& [first, end] : tiles)
+    for (std::uint64_t t = first; t < end; ++t) {
+      const Tile tile = tiling.tile(t);
+      if (tile.count != tiling.edge()) write_chunk(map, tile, empty);
+    }
 }
 
 }  // namespace trebsweep

@@ -88,7 +88,7 @@ void require_complete(const Job& job, const fs::path& path, const ArchiveHeader&
                ? remedy
                : fmt::format("rename it to {} to continue it", partial_path(path).string()));
   try {
-    read_contents(path);
+    read_contents(path).tally();
   } catch (const std::system_error&) {
     throw;  // nothing is known about the file
   } catch (const std::runtime_error& error) {

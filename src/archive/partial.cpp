@@ -55,15 +55,18 @@ std::optional<RunId> create_partial(const fs::path& path, const Skeleton& skelet
 }
 
 RunId continue_partial(const fs::path& path, const Tiling& tiling, const std::vector<MapInfo>& maps,
-                       std::uint64_t done, const std::string& history_line) {
+                       const std::vector<TileRange>& to_compute, const std::string& history_line) {
   hdf5::silence();
   const fs::path partial = partial_path(path);
   RunId run_id{};
   write_partial(partial, [&] {
     hdf5::File file(H5Fopen(partial.c_str(), H5F_ACC_RDWR, H5P_DEFAULT),
                     "open " + partial.string());
+    // A run that was killed within a flush may have written the index of compressed chunks, but not
+    // the size of the file that holds them.
+    hdf5::check(H5Fincrement_filesize(file, 0), "set the file's size");
     run_id = write_run_id(file, partial);
-    for (const MapInfo& map : maps) reset_edge_chunks(file, map, tiling, done);
+    for (const MapInfo& map : maps) reset_edge_chunks(file, map, tiling, to_compute);
     std::string history;
     try {
       history = hdf5::read_text_attribute(file, "history") + "\n";

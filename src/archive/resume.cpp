@@ -68,6 +68,11 @@ bool is_same_job(const Job& job, const ArchiveHeader& archive) {
 
 ArchiveContents read_resumable(const Job& job, const std::filesystem::path& partial) {
   const ArchiveContents contents = read_or_explain(partial, [&] { return read_contents(partial); });
+  if (!contents.has_checksums())
+    throw std::runtime_error(
+        fmt::format("{} has format_version {}, without checksums, and cannot be continued: finish "
+                    "it with {}, or start again with --overwrite",
+                    partial.string(), contents.format_version, contents.source));
   if (contents.source != version_text())
     refuse_version(partial, "by", contents.source, version_text());
   const Job partial_job =
@@ -80,12 +85,7 @@ ArchiveContents read_resumable(const Job& job, const std::filesystem::path& part
   if (has_fma(contents.kernel) != has_fma(instruction_set()))
     refuse_version(partial, "on a machine with", contents.kernel, instruction_set());
   const Lattice lattice(job.scene, job.lattice);
-  if (contents.axes != lattice.axes() ||
-      contents.tiles != Tiling(lattice, contents.tile_edge).size())
-    throw std::runtime_error(
-        fmt::format("{}: damaged: its lattice is not that of its job; it cannot be continued: "
-                    "remove it, or start again with --overwrite",
-                    partial.string()));
+  read_or_explain(partial, [&] { return contents.tiling(lattice); });
   return contents;
 }
 

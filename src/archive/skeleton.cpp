@@ -102,7 +102,7 @@ hdf5::Dataset create_tile_dataset(hid_t file, const std::string& name, hid_t typ
   return dataset;
 }
 
-void create_tile_datasets(hid_t file, const Tiling& tiling) {
+void create_tile_datasets(hid_t file, const Tiling& tiling, const std::vector<MapInfo>& maps) {
   const hdf5::Dataset tile = create_dimension(file, "tile", tiling.size());
   const hdf5::Dataset tally = create_dimension(file, "tally", tally_columns.size());
   const hdf5::Dataset done = create_tile_dataset(file, "tile_done", H5T_STD_U8LE, {tiling.size()},
@@ -118,6 +118,15 @@ void create_tile_datasets(hid_t file, const Tiling& tiling) {
   check(H5DSattach_scale(tallies, tile, 0), "create tile_tally");
   check(H5DSattach_scale(tallies, tally, 1), "create tile_tally");
   hdf5::write_attribute(tallies, "columns", fmt::format("{}", fmt::join(tally_columns, " ")));
+  const auto columns = checksum_columns(maps);
+  const hdf5::Dataset checksum = create_dimension(file, "checksum", columns.size());
+  const hdf5::Dataset checksums =
+      create_tile_dataset(file, "tile_checksum", H5T_STD_U64LE, {tiling.size(), columns.size()},
+                          "XXH3 checksums of the tile's values in each map, and of its row of "
+                          "tile_tally");
+  check(H5DSattach_scale(checksums, tile, 0), "create tile_checksum");
+  check(H5DSattach_scale(checksums, checksum, 1), "create tile_checksum");
+  hdf5::write_attribute(checksums, "columns", fmt::format("{}", fmt::join(columns, " ")));
 }
 
 /// Progress over all maps, from the progress within one.
@@ -162,7 +171,7 @@ std::optional<RunId> create_file(const std::filesystem::path& path, const Skelet
     if (!allocate_first(map, info, skeleton, map_progress(progress, m, skeleton.maps.size())))
       return std::nullopt;
   }
-  create_tile_datasets(file, skeleton.tiling);
+  create_tile_datasets(file, skeleton.tiling, skeleton.maps);
   const RunId run_id = write_run_id(file, path);
   write_attributes(file, skeleton.attributes);
   axes.clear();
@@ -193,7 +202,9 @@ bool allocate_rest(const std::filesystem::path& path, const Skeleton& skeleton,
 std::uintmax_t minimum_size(const Skeleton& skeleton) {
   constexpr std::uintmax_t index_entry = 49;  // bytes per chunk in full nodes of HDF5's B-tree
   const Index3& edge = skeleton.tiling.edge();
-  std::uintmax_t bytes_per_tile = 1 + sizeof(TallyRow);  // in tile_done and tile_tally
+  // In tile_done, tile_tally and tile_checksum.
+  std::uintmax_t bytes_per_tile =
+      1 + sizeof(TallyRow) + (skeleton.maps.size() + 1) * sizeof(std::uint64_t);
   for (const MapInfo& info : skeleton.maps) {
     const auto properties = map_properties(info, edge, skeleton.compression);
     bytes_per_tile += index_entry + empty_chunk(properties, info, edge).size();

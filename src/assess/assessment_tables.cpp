@@ -76,7 +76,7 @@ Table reference_table(const std::vector<Case>& cases) {
   table.add_column({"scene", "", "scene"}, cases, &Case::name);
   table.add_column({"designs", "1", "designs in the sample"}, cases,
                    [](const Case& c) { return c.designs.size(); });
-  table.add_column({"shots", "1", "designs with a release"}, cases, releases);
+  table.add_column({"releases", "1", "designs with a release"}, cases, releases);
   table.add_column({"speed_bound", "m s-1", "largest error bound of a speed"}, cases,
                    largest(&Reference::speed_bound));
   table.add_column({"time_bound", "s", "largest error bound of a release time"}, cases,

@@ -96,6 +96,7 @@ void run_serial(const CommandLine& line) {
     case Command::version:
       return fmt::print("{}\nkernel: {}\n", version_text(), instruction_set());
     case Command::info:
+      if (line.verify) return verify_archive(line.file, line.progress, stdout);
       return fmt::print("{}", describe_archive(line.file));
     case Command::trace:
       return run_trace(line);

@@ -17,7 +17,8 @@ progress and warnings about doubtful results go to stderr. Until the archive is
 complete, its name ends in .partial.
 
 To continue an interrupted sweep, run the same command again, on any number of
-ranks; a killed sweep loses only its last few seconds. SIGINT (Ctrl-C), SIGTERM,
+ranks; a killed sweep loses only its last few seconds. Tiles that do not match
+their checksums are computed again. SIGINT (Ctrl-C), SIGTERM,
 SIGUSR1 and --time-limit stop a sweep after a checkpoint, with exit code 75.
 
 )";
@@ -61,11 +62,15 @@ to the archive (output.file), where each is a group that xarray can open.
 )";
 
 const char* const info_help =
-    R"(Usage: trebsweep info FILE
+    R"(Usage: trebsweep info FILE [--verify]
 
 Prints a description of an archive, complete or partial: its progress, the number
 of designs of each status, the optimum so far, its provenance and its job. If
 FILE does not exist, FILE.partial is described.
+
+With --verify, reads all maps instead and compares each tile that is done with
+the checksum stored when it was computed. Prints the maps and tiles that are
+damaged; the exit code is then 1.
 
 )";
 
@@ -81,7 +86,7 @@ Usage:
                                   print the swing of one design as a table
   trebsweep assess JOB [options]  measure the error, run time and stability of
                                   the steppers (integration methods)
-  trebsweep info FILE             describe an archive, complete or partial
+  trebsweep info FILE [--verify]  describe an archive, or verify its checksums
   trebsweep COMMAND --help        describe a command, its options and keys
   trebsweep --version             print the version and the instruction set
 

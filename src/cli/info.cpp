@@ -15,23 +15,34 @@
 #include "trebsweep/archive/output_path.hpp"
 #include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/archive/summary.hpp"
+#include "trebsweep/archive/verify.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/job/job.hpp"
+#include "trebsweep/sweep/archive_metadata.hpp"
 
 namespace trebsweep {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The path that a partial archive gets when it is complete.
-fs::path final_path(const fs::path& partial) { return fs::path(partial).replace_extension(); }
+bool is_partial(const fs::path& path) { return path.extension() == ".partial"; }
+
+/// The path that an archive has when it is complete.
+fs::path final_path(const fs::path& given) {
+  const fs::path path = follow_links(given);
+  return is_partial(path) ? fs::path(path).replace_extension() : path;
+}
+
+/// The process that is writing an archive, if any.
+std::optional<std::string> writer_of(const fs::path& path) {
+  return lock_holder(lock_path(final_path(path)));
+}
 
 /// The progress of an archive, and how to continue it if it is unfinished.
 std::string progress_text(const fs::path& given, const ArchiveContents& contents) {
   const fs::path path = follow_links(given);
-  const bool partial = path.extension() == ".partial";
-  const fs::path archive = partial ? final_path(path) : path;
-  const auto writer = lock_holder(lock_path(archive));
+  const bool partial = is_partial(path);
+  const auto writer = writer_of(path);
   if (contents.complete() && !partial) return "complete";
   const std::string progress =
       contents.complete()
@@ -62,7 +73,7 @@ std::string describe_sweep(const fs::path& path) {
   text += fmt::format("lattice   {} x {} x {} (r1 x r3 x r2), {} designs\n",
                       contents.axes[0].size(), contents.axes[1].size(), contents.axes[2].size(),
                       Lattice(job.scene, job.lattice).designs());
-  Summary summary = to_summary(contents.tally, contents.axes);
+  Summary summary = to_summary(contents.tally(), contents.axes);
   summary.error = contents.error;
   text += to_text(summary, job.output.optimum_filter);
   text += fmt::format("\nsource    {}, {}\n", contents.source, contents.kernel);
@@ -82,20 +93,93 @@ fs::path find(const fs::path& given) {
       fmt::format("{}: no such file; give the path of an archive", shortened(given.string())));
 }
 
-}  // namespace
-
-std::string describe_archive(const fs::path& given) {
-  const fs::path path = find(given);
+/// The path of an existing archive or partial archive. Throws InputError if there is none.
+fs::path checked_path(const fs::path& given) {
+  fs::path path = find(given);
   if (const auto kind = irregular_kind(path))
     throw InputError(fmt::format("{} is {}; give the path of an archive", path.string(), *kind));
+  return path;
+}
+
+/// Calls `read`, and adds the path to the message of a failure.
+template <class F>
+auto read_or_explain(const fs::path& path, F read) {
   try {
-    const auto archived = read_archive_header(path);
-    return archived && !archived->is_sweep ? describe_assessment(path) : describe_sweep(path);
+    return read();
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(
         fmt::format("{}: {}; not an archive of this format version, or a damaged one",
                     path.string(), error.what()));
   }
+}
+
+/// Throws std::runtime_error if an archive cannot be verified now.
+void require_verifiable(const fs::path& path, const ArchiveContents& contents) {
+  if (!contents.has_checksums())
+    throw std::runtime_error(fmt::format("{}: it has no checksums (format_version {})",
+                                         path.string(), contents.format_version));
+  if (const auto writer = writer_of(path))
+    throw std::runtime_error(fmt::format("{}: being written by {}; it can be verified afterwards",
+                                         path.string(), *writer));
+}
+
+/// The damage in the tiles that are done.
+std::vector<Damage> find_damage(const fs::path& path, const std::vector<MapInfo>& maps,
+                                const Tiling& tiling, std::uint64_t tiles_done,
+                                ProgressStyle style) {
+  std::vector<Damage> all;
+  Progress progress(0, tiles_done, style, "tiles verified");
+  const std::uint64_t at_once = tiles_per_verification(maps, tiling);
+  for (std::uint64_t first = 0; first < tiles_done; first += at_once) {
+    const TileRange tiles{first, std::min(first + at_once, tiles_done)};
+    const auto damage = find_damage(path, maps, tiling, tiles);
+    all.insert(all.end(), damage.begin(), damage.end());
+    progress.update(tiles.end);
+  }
+  return all;
+}
+
+/// The part of the lattice that a tile covers.
+std::string extent_text(const Tile& tile, const std::array<std::vector<double>, 3>& axes) {
+  const auto range = [&](std::size_t d) {
+    const double first = axes[d][tile.first[d]], last = axes[d][tile.first[d] + tile.count[d] - 1];
+    return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
+  };
+  return fmt::format("r1 = {}, r3 = {}, r2 = {} m", range(0), range(1), range(2));
+}
+
+}  // namespace
+
+std::string describe_archive(const fs::path& given) {
+  const fs::path path = checked_path(given);
+  return read_or_explain(path, [&] {
+    const auto archived = read_archive_header(path);
+    return archived && !archived->is_sweep ? describe_assessment(path) : describe_sweep(path);
+  });
+}
+
+void verify_archive(const fs::path& given, ProgressStyle style, std::FILE* out) {
+  const fs::path path = checked_path(given);
+  const auto contents = read_or_explain(path, [&] { return read_contents(path); });
+  require_verifiable(path, contents);
+  const Job job = parse_job(contents.job, path, {});
+  const auto tiling =
+      read_or_explain(path, [&] { return contents.tiling(Lattice(job.scene, job.lattice)); });
+  const auto maps = map_infos(job.output);
+  const auto damage = find_damage(path, maps, tiling, contents.tiles_done, style);
+
+  fmt::print(out, "archive   {}, {}\n", path.string(), progress_text(path, contents));
+  const auto columns = checksum_columns(maps);
+  for (const auto& [tile, column] : damage)
+    fmt::print(out, "damaged   {}, tile {}: {}\n", columns[column], tile,
+               extent_text(tiling.tile(tile), contents.axes));
+  if (!damage.empty())
+    throw std::runtime_error(fmt::format(
+        "{}: damaged; {}run the command of the sweep again to compute the damaged tiles again",
+        path.string(),
+        is_partial(path) ? "" : fmt::format("rename it to {} and ", partial_path(path).string())));
+  fmt::print(out, "verified  {} of {} tiles: every value of {} is as written\n",
+             contents.tiles_done, contents.tiles, fmt::join(columns, ", "));
 }
 
 }  // namespace trebsweep

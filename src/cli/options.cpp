@@ -54,9 +54,13 @@ po::options_description command_options(Command command) {
       add("interval", text("NUMBER"),
           "time between rows, s (default: every step of a fixed-step stepper, 0.01 s otherwise)");
       break;
+    case Command::info:
+      add("verify", "compare every tile that is done with its checksum");
+      add("progress", text("STYLE"),
+          "progress of --verify on stderr: auto (default), bar, lines or none");
+      break;
     case Command::help:
     case Command::version:
-    case Command::info:
       break;
   }
   return options;

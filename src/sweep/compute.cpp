@@ -79,6 +79,20 @@ std::optional<std::uint64_t> integrate_unless_stopped(const Job& job, const Batc
   return lane_steps;
 }
 
+/// Attributes lane steps to tiles in proportion to their steps. Packs cross tiles, so that they can
+/// only be counted for all tiles together.
+void share_lane_steps(std::uint64_t lane_steps, std::vector<ComputedTile>& tiles) {
+  std::uint64_t steps_left = 0;
+  for (const ComputedTile& tile : tiles) steps_left += tile.tally.steps;
+  for (auto& [maps, tally] : tiles) {
+    const double share = static_cast<double>(tally.steps) /
+                         static_cast<double>(std::max<std::uint64_t>(1, steps_left));
+    tally.lane_steps = static_cast<std::uint64_t>(share * static_cast<double>(lane_steps));
+    steps_left -= tally.steps;
+    lane_steps -= tally.lane_steps;
+  }
+}
+
 }  // namespace
 
 std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>& tiles,
@@ -114,8 +128,7 @@ std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>
       ++n;
     });
   }
-  // Packs cross tiles, so that lane steps can only be counted for all tiles together.
-  if (!computed.empty()) computed.front().tally.lane_steps = *lane_steps;
+  share_lane_steps(*lane_steps, computed);
   return computed;
 }
 

@@ -38,14 +38,13 @@ Index3 tile_edge(const Index3& extent, double design_seconds) {
   return edge;
 }
 
-std::vector<std::vector<NumberedTile>> assign_tiles(std::uint64_t first, std::uint64_t end,
-                                                    std::uint64_t ranks, const Lattice& lattice,
-                                                    const Tiling& tiling) {
+std::vector<std::vector<NumberedTile>> assign_tiles(const TileRange& range, std::uint64_t ranks,
+                                                    const Lattice& lattice, const Tiling& tiling) {
   struct SizedTile {
     std::uint64_t designs, number;
   };
   std::vector<SizedTile> tiles;
-  for (std::uint64_t t = first; t < end; ++t)
+  for (std::uint64_t t = range.first; t < range.end; ++t)
     tiles.push_back({lattice.designs_in(tiling.tile(t)), t});
   std::stable_sort(tiles.begin(), tiles.end(),
                    [](const SizedTile& a, const SizedTile& b) { return a.designs > b.designs; });

@@ -1,6 +1,9 @@
 #include "trebsweep/sweep/sweep.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
 #include "trebsweep/archive/archive_writer.hpp"
@@ -9,6 +12,7 @@
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/sweep/archive_metadata.hpp"
 #include "trebsweep/sweep/compute.hpp"
+#include "trebsweep/sweep/damaged_tiles.hpp"
 #include "trebsweep/sweep/measured_error.hpp"
 #include "trebsweep/sweep/schedule.hpp"
 #include "trebsweep/sweep/warnings.hpp"
@@ -29,9 +33,9 @@ struct Context {
 /// The state of a sweep before its first round.
 struct Start {
   bool complete = false;  ///< the archive of this job already exists
+  bool resumes = false;   ///< a partial archive of this job exists
   Index3 tile_edge{};
   std::uint64_t tiles_done = 0;  ///< by earlier runs
-  std::optional<RunId> run_id;   ///< this run's, once the partial archive exists
 };
 
 /// Only rank 0 reports progress.
@@ -60,21 +64,44 @@ Index3 choose_tile_edge(const Context& context) {
   return edge;
 }
 
-/// Prepares an existing partial archive for this run, or chooses the tiles of a new one. For rank 0
-/// only. `tally` becomes that of the tiles done.
-Start find_start(const Context& context, const OutputState& output, Tally& tally) {
+/// Takes the tiles of an existing partial archive, or chooses those of a new one. For rank 0 only.
+Start find_start(const Context& context, const OutputState& output) {
   Start start;
   start.complete = output.complete;
-  if (!output.partial) {
-    if (!start.complete) start.tile_edge = choose_tile_edge(context);
-    return start;
+  start.resumes = output.partial.has_value();
+  if (start.resumes) {
+    start.tile_edge = output.partial->tile_edge;
+    start.tiles_done = output.partial->tiles_done;
+  } else if (!start.complete) {
+    start.tile_edge = choose_tile_edge(context);
   }
-  start.tile_edge = output.partial->tile_edge;
-  start.tiles_done = output.partial->tiles_done;
-  tally = output.partial->tally;
-  start.run_id = continue_partial(output.path, Tiling(context.lattice, start.tile_edge),
-                                  map_infos(context.job.output), start.tiles_done, context.history);
   return start;
+}
+
+/// Verifies the tiles done by earlier runs and prepares the partial archive for this run;
+/// collective. `to_compute` becomes the damaged tiles and those not done, and `tally`, on rank 0,
+/// that of the intact ones. Returns the id of this run.
+RunId resume(const Context& context, const OutputState& output, const std::filesystem::path& path,
+             const Tiling& tiling, std::uint64_t tiles_done, std::vector<TileRange>& to_compute,
+             Tally& tally) {
+  const std::filesystem::path partial = partial_path(path);
+  const auto maps = map_infos(context.job.output);
+  require_visible(partial, context.comm);
+  Progress progress(0, tiles_done, progress_style(context), "tiles verified");
+  const auto damaged = damaged_tiles(partial, maps, tiling, tiles_done, progress,
+                                     context.options.stop, context.comm);
+  to_compute = damaged;
+  to_compute.push_back({tiles_done, tiling.size()});
+  RunId run_id{};
+  mpi::on_root(context.comm, [&] {
+    if (!damaged.empty())
+      fmt::print(stderr,
+                 "warning: of the {} tiles done, these are damaged and computed again: {}\n",
+                 tiles_done, to_text(damaged));
+    tally = output.partial->tally(damaged);
+    run_id = continue_partial(path, tiling, maps, to_compute, context.history);
+  });
+  return mpi::from_root(run_id, context.comm);
 }
 
 /// Creates the partial archive; collective. Returns the id of this run, or nothing if stopped.
@@ -93,37 +120,54 @@ std::optional<RunId> create(const Context& context, const std::filesystem::path&
 }
 
 /// Writes a round's tiles; collective. Ranks with fewer tiles than others take part without one.
-void write(const std::vector<std::vector<NumberedTile>>& assigned, std::uint64_t rank,
-           const std::vector<ComputedTile>& computed, ArchiveWriter& archive) {
+/// Returns the checksums of this rank's tiles, one per map.
+std::vector<std::vector<std::uint64_t>> write(
+    const std::vector<std::vector<NumberedTile>>& assigned, std::uint64_t rank,
+    const std::vector<ComputedTile>& computed, ArchiveWriter& archive) {
   std::size_t writes = 0;
   for (const auto& tiles : assigned) writes = std::max(writes, tiles.size());
+  std::vector<std::vector<std::uint64_t>> checksums;
   for (std::size_t i = 0; i < writes; ++i) {
     if (i < computed.size())
-      archive.write(assigned[rank][i].tile, computed[i].maps);
+      checksums.push_back(archive.write(assigned[rank][i].tile, computed[i].maps));
     else
       archive.write(std::nullopt, {});
   }
+  return checksums;
 }
 
-/// The tallies of the tiles [first, end) of a round, on rank 0; collective.
-std::vector<TallyRow> gather(const std::vector<NumberedTile>& tiles,
-                             const std::vector<ComputedTile>& computed, std::uint64_t first,
-                             std::uint64_t end, MPI_Comm comm) {
-  std::vector<TallyRow> rows(end - first, TallyRow{});
+/// The tallies of the tiles of a round, on rank 0; collective.
+std::vector<TallyRow> gather_tallies(const std::vector<NumberedTile>& tiles,
+                                     const std::vector<ComputedTile>& computed,
+                                     const TileRange& round, MPI_Comm comm) {
+  std::vector<TallyRow> rows(round.end - round.first, TallyRow{});
   for (std::size_t i = 0; i < tiles.size(); ++i)
-    rows[tiles[i].number - first] = to_row(computed[i].tally);
+    rows[tiles[i].number - round.first] = to_row(computed[i].tally);
   mpi::sum_on_root({rows.data()->data(), rows.size() * tally_columns.size()}, comm);
   return rows;
 }
 
-/// Computes the remaining tiles in rounds. Each round ends with a checkpoint: maps and tallies are
+/// The checksums of the tiles of a round, one per tile and map, on rank 0; collective.
+std::vector<std::uint64_t> gather_checksums(
+    const std::vector<NumberedTile>& tiles,
+    const std::vector<std::vector<std::uint64_t>>& checksums, const TileRange& round,
+    std::size_t maps, MPI_Comm comm) {
+  std::vector<std::uint64_t> rows((round.end - round.first) * maps, 0);
+  for (std::size_t i = 0; i < tiles.size(); ++i)
+    std::copy(checksums[i].begin(), checksums[i].end(),
+              rows.begin() + static_cast<std::ptrdiff_t>((tiles[i].number - round.first) * maps));
+  mpi::sum_on_root(rows, comm);
+  return rows;
+}
+
+/// Computes tiles in rounds. Each round ends with a checkpoint: maps, tallies and checksums are
 /// written and flushed, then the tiles are marked done and the marks flushed. A killed run
 /// therefore loses at most the round in progress. Collective; ends early if any rank is stopped.
 /// `start_time` is MPI_Wtime() at the start of the sweep. `tally` has the designs of earlier runs
-/// on rank 0, and gains those that this rank computes. Returns the number of tiles done.
-std::uint64_t run_rounds(const Context& context, const Tiling& tiling, const Start& start,
-                         double start_time, const std::filesystem::path& partial,
-                         ArchiveWriter& archive, Tally& tally) {
+/// on rank 0, and gains those that this rank computes. Returns whether all tiles were computed.
+bool run_rounds(const Context& context, const Tiling& tiling, std::vector<TileRange> to_compute,
+                const RunId& run_id, double start_time, const std::filesystem::path& partial,
+                ArchiveWriter& archive, Tally& tally) {
   const Job& job = context.job;
   const Lattice& lattice = context.lattice;
   const MPI_Comm comm = context.comm;
@@ -132,36 +176,47 @@ std::uint64_t run_rounds(const Context& context, const Tiling& tiling, const Sta
   std::uint64_t designs_done = tally.designs();  // correct on rank 0, which reports it
   Progress progress(designs_done, lattice.designs(), progress_style(context));
   const auto& [n1, n3, n2] = tiling.edge();
-  const std::size_t bytes_per_tile = n1 * n3 * n2 * job.output.fields.size() * sizeof(double);
-  std::uint64_t next = start.tiles_done, tiles_per_rank = 1;
+  const std::size_t maps = job.output.fields.size();
+  const std::size_t bytes_per_tile = n1 * n3 * n2 * maps * sizeof(double);
+  std::uint64_t tiles_per_rank = 1;
   double counted = start_time;  // tallies include the time up to here
-  while (next < tiling.size()) {
-    const std::uint64_t end = std::min(next + tiles_per_rank * ranks, tiling.size());
-    const auto assigned = assign_tiles(next, end, ranks, lattice, tiling);
+  auto range = to_compute.begin();
+  while (range != to_compute.end()) {
+    if (range->first == range->end) {
+      ++range;
+      continue;
+    }
+    const std::uint64_t most = tiles_per_rank * ranks;
+    const TileRange round{range->first, std::min(range->first + most, range->end)};
+    const auto assigned = assign_tiles(round, ranks, lattice, tiling);
     const double round_start = MPI_Wtime();
     auto computed = compute(assigned[rank], job, lattice, context.options.stop);
     const double round_seconds = mpi::max(MPI_Wtime() - round_start, comm);
     const bool all_computed = mpi::max(computed ? 0 : 1, comm) == 0;
     if (!all_computed) break;
 
-    if (rank == 0) check_run_id(*start.run_id, partial);
-    write(assigned, rank, *computed, archive);
+    if (rank == 0) check_run_id(run_id, partial);
+    const auto checksums = write(assigned, rank, *computed, archive);
     for (std::size_t i = 0; i < computed->size(); ++i) {
       Tally& tile_tally = (*computed)[i].tally;
-      if (assigned[rank][i].number == next) {  // one tile carries the times of the round
+      if (assigned[rank][i].number == round.first) {  // one tile carries the times of the round
         tile_tally.integration_seconds = round_seconds;
         tile_tally.sweep_seconds = MPI_Wtime() - counted;
       }
       tally.add(tile_tally);
     }
     counted = MPI_Wtime();
-    archive.checkpoint(next, gather(assigned[rank], *computed, next, end, comm));
-    for (; next < end; ++next) designs_done += lattice.designs_in(tiling.tile(next));
-    tiles_per_rank = next_tiles_per_rank(tiles_per_rank, round_seconds, bytes_per_tile);
+    archive.checkpoint(round.first, gather_tallies(assigned[rank], *computed, round, comm),
+                       gather_checksums(assigned[rank], checksums, round, maps, comm));
+    for (std::uint64_t t = round.first; t < round.end; ++t)
+      designs_done += lattice.designs_in(tiling.tile(t));
     progress.update(designs_done);
+    if (round.end - round.first == most)
+      tiles_per_rank = next_tiles_per_rank(tiles_per_rank, round_seconds, bytes_per_tile);
+    range->first = round.end;
   }
   if (rank == 0) tally.sweep_seconds += MPI_Wtime() - counted;
-  return next;
+  return range == to_compute.end();
 }
 
 }  // namespace
@@ -178,15 +233,20 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   Start start;
   const std::filesystem::path path = mpi::text_of_root(comm, [&] {
     output = open_or_resume(job, options.overwrite);
-    start = find_start(context, output, tally);
+    start = find_start(context, output);
     return output.path.string();
   });
   start = mpi::from_root(start, comm);
   if (start.complete) return std::nullopt;
 
   const Tiling tiling(lattice, start.tile_edge);
-  if (!start.run_id) start.run_id = create(context, path, tiling, output.replaces);
-  if (!start.run_id) {
+  std::vector<TileRange> to_compute{{0, tiling.size()}};
+  std::optional<RunId> run_id;
+  if (start.resumes)
+    run_id = resume(context, output, path, tiling, start.tiles_done, to_compute, tally);
+  else
+    run_id = create(context, path, tiling, output.replaces);
+  if (!run_id) {
     Summary summary;
     summary.complete = false;
     summary.partial_created = false;
@@ -196,11 +256,11 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   const std::filesystem::path partial = partial_path(path);
   require_visible(partial, comm);
   ArchiveWriter archive(path, map_infos(job.output), comm);
-  const std::uint64_t tiles_done =
-      run_rounds(context, tiling, start, start_time, partial, archive, tally);
+  const bool complete =
+      run_rounds(context, tiling, to_compute, *run_id, start_time, partial, archive, tally);
 
   Summary summary = combine(tally, lattice, comm);
-  summary.complete = tiles_done == tiling.size();
+  summary.complete = complete;
   if (summary.complete) {
     std::optional<ErrorSample> sample = ErrorSample{};
     if (job.solver.check) sample = measure_error(job, lattice, summary, options.stop, comm);
@@ -212,8 +272,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
     }
   }
   archive.close();
-  if (summary.complete)
-    mpi::on_root(comm, [&] { finish_partial(path, *start.run_id, output.replaces); });
+  if (summary.complete) mpi::on_root(comm, [&] { finish_partial(path, *run_id, output.replaces); });
   return summary;
 }
 

@@ -91,7 +91,7 @@ TEST_CASE("Arbitrary bytes in chunks that are not done do not affect a resumed s
   { const ArchiveWriter archive = create_archive(file.path(), small, maps, 4); }
   if (mpi::rank(MPI_COMM_WORLD) == 0) {
     fill_with_garbage(partial_path(file.path()), maps, small.tiling.size());
-    continue_partial(file.path(), small.tiling, maps, 0, "second run");
+    continue_partial(file.path(), small.tiling, maps, {{0, small.tiling.size()}}, "second run");
   }
   MPI_Barrier(MPI_COMM_WORLD);
   ArchiveWriter archive(file.path(), maps, MPI_COMM_WORLD);
@@ -110,9 +110,9 @@ TEST_CASE("Each run adds a line to the history") {
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
   const SmallLattice small;
   create_without_maps(file.path(), small, "first run");
-  continue_partial(file.path(), small.tiling, {}, 0, "second run");
+  continue_partial(file.path(), small.tiling, {}, {}, "second run");
   const std::string long_line(5000, 'x');
-  const RunId run_id = continue_partial(file.path(), small.tiling, {}, 0, long_line);
+  const RunId run_id = continue_partial(file.path(), small.tiling, {}, {}, long_line);
   finish_partial(file.path(), run_id, "");
   const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
   CHECK(hdf5::read_text_attribute(opened, "history") == "first run\nsecond run\n" + long_line);
@@ -128,7 +128,8 @@ TEST_CASE("A run does not finish a file that another run has taken over") {
     const std::filesystem::path other = partial.string() + ".other";
     const RunId run_id = create_without_maps(file.path(), small);
     check_run_id(run_id, partial);
-    if (event == Event::continued) continue_partial(file.path(), small.tiling, {}, 0, "second run");
+    if (event == Event::continued)
+      continue_partial(file.path(), small.tiling, {}, {}, "second run");
     if (event == Event::copied) std::filesystem::copy(partial, other);
     if (event == Event::copied) std::filesystem::rename(other, partial);
     if (event == Event::moved) std::filesystem::rename(partial, other);

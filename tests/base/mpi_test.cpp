@@ -28,6 +28,10 @@ TEST_CASE("Reductions combine the values of all ranks; sum_on_root gives rank 0 
   std::array<double, 2> numbers{0.5, static_cast<double>(rank)};
   mpi::sum_on_root(numbers, MPI_COMM_WORLD);
   if (rank == 0) CHECK(numbers == std::array<double, 2>{0.5 * size, size * (size - 1) / 2.0});
+  constexpr std::uint64_t large = ~std::uint64_t{0};  // not a double
+  std::array<std::uint64_t, 1> one_each{rank == size - 1 ? large : 0};
+  mpi::sum_on_root(one_each, MPI_COMM_WORLD);
+  if (rank == 0) CHECK(one_each[0] == large);
 }
 
 TEST_CASE("Every rank returns or throws what rank 0 returns or throws") {

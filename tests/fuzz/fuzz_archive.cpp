@@ -36,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
     trebsweep::read_archive_header(path);
-    trebsweep::read_contents(path);
+    trebsweep::read_contents(path).tally();
   } catch (const std::runtime_error&) {
   }
   return 0;

@@ -418,7 +418,7 @@ class Sweep(CommandTest):
         with h5py.File(self.path("job.h5")) as file:
             attributes = dict(file.attrs)
         self.assertEqual(attributes["Conventions"], "CF-1.10")
-        self.assertEqual(attributes["format_version"], 3)
+        self.assertEqual(attributes["format_version"], 4)
         self.assertRegex(attributes["source"], r"^trebsweep \d")
         self.assertIn("--scene.gravity 9.81", attributes["history"])
         self.assertIn("gravity = 9.81\n", attributes["job"])

@@ -69,8 +69,12 @@ inline void write_all(ArchiveWriter& archive, const SmallLattice& small) {
             maps[1].push_back(lattice.holds(i) ? 2 : 0);
           }
     }
-    archive.write(tile, maps);
-    archive.checkpoint(first, std::vector<TallyRow>(std::min(ranks, tiling.size() - first)));
+    const std::uint64_t tiles = std::min(ranks, tiling.size() - first);
+    std::vector<std::uint64_t> checksums(tiles * maps.size());
+    const auto of_tile = archive.write(tile, maps);
+    if (tile) std::copy(of_tile.begin(), of_tile.end(), &checksums[rank * maps.size()]);
+    mpi::sum_on_root(checksums, MPI_COMM_WORLD);
+    archive.checkpoint(first, std::vector<TallyRow>(tiles), checksums);
   }
 }
 

@@ -44,7 +44,7 @@ TEST_CASE("Every tile of a round is assigned to one rank, and loads differ by at
   const Tiling tiling(lattice, {20, 24, 24});
   const std::uint64_t first = 3, end = tiling.size() - 2;
   for (const std::uint64_t ranks : {1u, 2u, 7u}) {
-    const auto assigned = assign_tiles(first, end, ranks, lattice, tiling);
+    const auto assigned = assign_tiles({first, end}, ranks, lattice, tiling);
     REQUIRE(assigned.size() == ranks);
     std::set<std::uint64_t> seen;
     std::uint64_t least = lattice.designs(), most = 0;

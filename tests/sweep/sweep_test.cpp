@@ -98,6 +98,25 @@ TEST_CASE("The accurate job's speeds are within 1e-7 m/s of those at a tolerance
   }
 }
 
+TEST_CASE("The lane steps of the tiles add up, and each tile has at least its steps") {
+  const TemporaryFile file("lane_steps");
+  const auto summary = sweep(coarse_job(file), quiet(Index3{3, 3, 3}), MPI_COMM_WORLD);
+  if (!root()) return;
+  const auto tallies = read_map(file.path(), "tile_tally");
+  std::uint64_t lane_steps = 0;
+  for (std::size_t i = 0; i < tallies.size(); i += tally_columns.size()) {
+    const Tally tally = to_tally([&] {
+      TallyRow row;
+      std::copy_n(&tallies[i], row.size(), row.begin());
+      return row;
+    }());
+    CHECK(tally.steps > 0);
+    CHECK(tally.lane_steps >= tally.steps);
+    lane_steps += tally.lane_steps;
+  }
+  CHECK(lane_steps == summary->lane_steps);
+}
+
 TEST_CASE("A sweep of one design gives the same optimum on any number of ranks") {
   const TemporaryFile file("single");
   Job job = coarse_job(file);
@@ -191,10 +210,14 @@ TEST_CASE("A sweep stopped repeatedly produces bitwise the same maps and the sam
   std::uint64_t before = 0;
   int runs = 0;
   do {
-    // The first run is stopped while rank 0 creates the file, the others after a round or two.
+    // The first run is stopped while rank 0 creates the file, the others after a round or two. From
+    // the third on, they first verify the tiles done.
     const Tiling tiling(Lattice(job.scene, job.lattice), edge);
     const int calls_while_creating = compression > 0 ? static_cast<int>(2 * tiling.size()) : 4;
-    int calls_left = runs == 0 ? 3 : runs == 1 && root() ? calls_while_creating + 5 : 5;
+    int calls_left = runs == 0             ? 3
+                     : runs == 1 && root() ? calls_while_creating + 5
+                     : runs == 1           ? 5
+                                           : 6;
     options.stop = [&] { return calls_left-- <= 0; };
     options.tile_edge = runs < 2 ? edge : Index3{7, 7, 7};  // ignored: the file has its own
     summary = sweep(job, options, MPI_COMM_WORLD);

@@ -4,16 +4,19 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "trebsweep/archive/summary.hpp"
 #include "trebsweep/job/lattice.hpp"
+#include "trebsweep/job/tiling.hpp"
 
 namespace trebsweep {
 
 /// Everything in the archive of a sweep, complete or partial, except for the values of its maps.
 struct ArchiveContents {
+  unsigned format_version = 0;
   std::string job;     ///< text of the job file
   std::string scene;   ///< scene_text() of the job
   std::string source;  ///< program and version that created the archive
@@ -22,16 +25,27 @@ struct ArchiveContents {
   std::array<std::vector<double>, 3> axes;  ///< r1, r3, r2, m
   Index3 tile_edge;                         ///< largest extent of a tile, cells
   std::uint64_t tiles = 0;
-  std::uint64_t tiles_done = 0;  ///< leading tiles that are marked done
-  Tally tally;                   ///< sum over the tiles done
+  std::uint64_t tiles_done = 0;   ///< leading tiles that are marked done
+  std::vector<TallyRow> tallies;  ///< of the tiles done, as stored
   std::optional<MeasuredError> error;
 
   bool complete() const { return tiles_done == tiles; }
+
+  bool has_checksums() const { return format_version >= 4; }
+
+  /// The sum of the tallies of the tiles done, except those in `without`, which are in ascending
+  /// order. Throws std::runtime_error if a tally is impossible.
+  Tally tally(std::span<const TileRange> without = {}) const;
+
+  /// The tiles. Throws std::runtime_error if the archive's axes and number of tiles are not those
+  /// of the lattice of its job.
+  Tiling tiling(const Lattice& lattice) const;
 };
 
 /// Reads an archive in one process, without MPI. Throws std::runtime_error if the file is not an
-/// archive, is damaged, lacks a map, or has another format_version; throws std::system_error if
-/// that cannot be decided, for example because reading takes more than a minute.
+/// archive, is damaged, lacks a map, or has a format_version that cannot be read; throws
+/// std::system_error if that cannot be decided, for example because reading takes more than a
+/// minute.
 ArchiveContents read_contents(const std::filesystem::path& path);
 
 }  // namespace trebsweep

@@ -14,8 +14,9 @@
 
 namespace trebsweep {
 
-/// The file format version, stored in the attribute format_version.
-inline constexpr unsigned long long format_version = 3;
+/// The file format version, stored in the attribute format_version, and the oldest one that can be
+/// read. Version 3 has no checksums.
+inline constexpr unsigned long long format_version = 4, oldest_format_version = 3;
 
 /// Number types of a map in the file.
 enum class MapType { float64, float32, uint8 };
@@ -42,6 +43,9 @@ std::string dataset_name(Field field);
 std::string history_line(const std::string& command, std::uint64_t ranks);
 
 void write_attributes(hid_t file, const Attributes& attributes);
+
+/// The columns of tile_checksum: the maps, then tile_tally.
+std::vector<std::string> checksum_columns(const std::vector<MapInfo>& maps);
 
 /// The HDF5 type of a map's values in the file.
 hid_t file_type(MapType type);

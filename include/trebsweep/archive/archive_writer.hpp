@@ -23,12 +23,15 @@ class ArchiveWriter {
   ArchiveWriter(const std::filesystem::path& path, const std::vector<MapInfo>& maps, MPI_Comm comm);
 
   /// Writes one tile of each rank; a rank without one passes no tile. `maps` holds the values of
-  /// each map in the tile, r2 fastest.
-  void write(const std::optional<Tile>& tile, std::span<const std::vector<double>> maps);
+  /// each map in the tile, r2 fastest. Returns the checksum of each map's bytes as a reader gets
+  /// them, without compression.
+  std::vector<std::uint64_t> write(const std::optional<Tile>& tile,
+                                   std::span<const std::vector<double>> maps);
 
   /// Marks the tiles of a round, numbered from `first`, as done once their data is on disk. Only
-  /// rank 0's tallies, one per tile, are used.
-  void checkpoint(std::uint64_t first, std::span<const TallyRow> tallies);
+  /// rank 0's tallies, one per tile, and checksums, one per tile and map, are used.
+  void checkpoint(std::uint64_t first, std::span<const TallyRow> tallies,
+                  std::span<const std::uint64_t> checksums);
 
   /// Overwrites existing attributes.
   void write(const Attributes& attributes);
@@ -42,7 +45,10 @@ class ArchiveWriter {
     MapType type;
   };
 
-  void write_maps(const std::optional<Tile>& tile, std::span<const std::vector<double>> maps);
+  std::vector<std::uint64_t> write_maps(const std::optional<Tile>& tile,
+                                        std::span<const std::vector<double>> maps);
+  void write_results(std::uint64_t first, std::span<const TallyRow> tallies,
+                     std::span<const std::uint64_t> checksums);
   void flush();
 
   std::filesystem::path path_;
@@ -50,7 +56,7 @@ class ArchiveWriter {
   hdf5::Properties collective_;
   std::optional<hdf5::File> file_;
   std::vector<Map> maps_;
-  std::optional<hdf5::Dataset> tile_done_, tile_tally_;
+  std::optional<hdf5::Dataset> tile_done_, tile_tally_, tile_checksum_;
 };
 
 }  // namespace trebsweep

@@ -37,9 +37,10 @@ bool allocate_uncompressed(hid_t map, double fill, const Tiling& tiling, std::ui
 bool fill_uncompressed(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
                        const Tiling& tiling, const ProgressCallback& progress, MPI_Comm comm);
 
-/// Writes empty chunks for the tiles from `done` on that are smaller than their chunk, if the map
+/// Writes empty chunks for those of the given tiles that are smaller than their chunk, if the map
 /// is compressed. HDF5 reads such a chunk before writing a part of it, and a machine that failed
 /// may have left arbitrary bytes there.
-void reset_edge_chunks(hid_t file, const MapInfo& info, const Tiling& tiling, std::uint64_t done);
+void reset_edge_chunks(hid_t file, const MapInfo& info, const Tiling& tiling,
+                       const std::vector<TileRange>& tiles);
 
 }  // namespace trebsweep

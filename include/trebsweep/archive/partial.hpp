@@ -18,7 +18,9 @@
 //   creation     <path>.partial.new: axes, maps of fill values, attributes; rename it to
 //                <path>.partial
 //   each round   1. every rank writes its tiles to the maps, collectively
-//                2. rank 0 writes the tallies of the round's tiles to tile_tally
+//                2. rank 0 writes the tallies of the round's tiles to tile_tally and the checksums
+//                of
+//                   the tiles and tallies to tile_checksum
 //                3. flush
 //                4. rank 0 marks the round's tiles as done in tile_done
 //                5. flush
@@ -56,10 +58,10 @@ namespace trebsweep {
 std::optional<RunId> create_partial(const std::filesystem::path& path, const Skeleton& skeleton,
                                     const ProgressCallback& progress, MPI_Comm comm);
 
-/// Prepares a partial file, whose first `done` tiles are done, for another run, and adds a line to
-/// its history. For one rank. Throws std::runtime_error.
+/// Prepares a partial file for another run, which computes the given tiles, and adds a line to its
+/// history. For one rank. Throws std::runtime_error.
 RunId continue_partial(const std::filesystem::path& path, const Tiling& tiling,
-                       const std::vector<MapInfo>& maps, std::uint64_t done,
+                       const std::vector<MapInfo>& maps, const std::vector<TileRange>& to_compute,
                        const std::string& history_line);
 
 /// Throws mpi::RootError if a rank cannot see a file, as when ranks run in different directories or

@@ -26,11 +26,12 @@ struct Skeleton {
 std::uintmax_t minimum_size(const Skeleton& skeleton);
 
 /// Creates a file with the axes, the maps with all their chunks, the attributes, tile_done,
-/// tile_tally and the id of this run. The chunks are empty if compressed, undefined otherwise.
-/// Nothing in the file moves later except compressed chunks, so that a killed run leaves it
-/// readable. At any time the file is empty or starts with the HDF5 signature. For one rank, because
-/// HDF5 allocates every chunk of a dataset that is created in parallel, including those without
-/// designs. Returns nothing if stopped. Throws std::runtime_error, for example if the file exists.
+/// tile_tally, tile_checksum and the id of this run. The chunks are empty if compressed, undefined
+/// otherwise. Nothing in the file moves later except compressed chunks, so that a killed run leaves
+/// it readable. At any time the file is empty or starts with the HDF5 signature. For one rank,
+/// because HDF5 allocates every chunk of a dataset that is created in parallel, including those
+/// without designs. Returns nothing if stopped. Throws std::runtime_error, for example if the file
+/// exists.
 std::optional<RunId> create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
                                      const ProgressCallback& progress);
 

@@ -18,15 +18,15 @@ namespace trebsweep::untrusted {
 /// Throws std::runtime_error: the file is damaged.
 [[noreturn]] void fail(const std::string& why);
 
-/// Throws std::runtime_error if `read_file` crashes or hangs in a child process, and
-/// std::system_error if that cannot be decided.
-void require_readable(const std::filesystem::path& path, const std::function<void()>& read_file);
+/// Calls `read_file` in a child process. Returns whether that neither crashes nor hangs. Throws
+/// std::system_error, which names the path, if that cannot be decided.
+bool completes(const std::filesystem::path& path, const std::function<void()>& read_file);
 
-/// Calls `read_file` first in a child process and then in this one. Throws as require_readable()
-/// and `read_file` do.
+/// Calls `read_file` first in a child process and then in this one. Throws std::runtime_error if it
+/// does not complete there, and otherwise as completes() and `read_file` do.
 template <class F>
 auto read(const std::filesystem::path& path, F read_file) {
-  require_readable(path, [&] { read_file(); });
+  if (!completes(path, [&] { read_file(); })) fail("HDF5 cannot read it");
   return read_file();
 }
 

@@ -47,6 +47,7 @@ void sum(std::span<std::uint64_t> values, MPI_Comm comm);
 
 /// Element-wise sums on rank 0; on the other ranks `values` is unspecified afterwards. Collective.
 void sum_on_root(std::span<double> values, MPI_Comm comm);
+void sum_on_root(std::span<std::uint64_t> values, MPI_Comm comm);
 
 /// Merges arrays whose bytes are zero wherever they belong to another rank. Collective.
 template <class Value>

@@ -16,7 +16,7 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
 void run_assess(const CommandLine& line, const std::string& command);
 
 /// Runs a command that takes one process: help, version, info or trace. Throws InputError, and
-/// std::runtime_error if an archive cannot be read.
+/// std::runtime_error if an archive cannot be read or is damaged.
 void run_serial(const CommandLine& line);
 
 }  // namespace trebsweep

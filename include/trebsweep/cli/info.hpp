@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstdio>
 #include <filesystem>
 #include <string>
+
+#include "trebsweep/sweep/progress.hpp"
 
 namespace trebsweep {
 
@@ -10,5 +13,10 @@ namespace trebsweep {
 /// archive is described. Needs no MPI. Throws InputError if there is no regular file, and
 /// std::runtime_error if the file is damaged or not an archive of this format.
 std::string describe_archive(const std::filesystem::path& path);
+
+/// Compares every tile that is done with its checksums, and prints a line for each damaged map of a
+/// tile, or one line if all are as they were written. Needs no MPI. Throws as describe_archive()
+/// does, and std::runtime_error if the archive is damaged, has no checksums or is being written.
+void verify_archive(const std::filesystem::path& path, ProgressStyle style, std::FILE* out);
 
 }  // namespace trebsweep

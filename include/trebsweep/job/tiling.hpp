@@ -7,6 +7,11 @@
 
 namespace trebsweep {
 
+/// The numbers of consecutive tiles: first, ..., end - 1.
+struct TileRange {
+  std::uint64_t first, end;
+};
+
 /// The tiles of a lattice that hold at least one design, numbered along r2, then r3, then r1.
 class Tiling {
  public:

@@ -99,7 +99,7 @@ inline constexpr bool is_flag(Field field) {
 }
 
 /// Names of the flags 0 (no release), 1 and 2 of the field slack.
-inline constexpr std::array<std::string_view, 3> slack_names{"no_shot", "taut", "slack"};
+inline constexpr std::array<std::string_view, 3> slack_names{"no_release", "taut", "slack"};
 
 inline constexpr bool is_basic(Field field) { return info(field).kind == FieldKind::result; }
 inline constexpr bool is_separate(Field field) { return info(field).kind == FieldKind::separate; }

@@ -1,0 +1,98 @@
+#include "trebsweep/archive/verify.hpp"
+
+#include <fstream>
+#include <iterator>
+
+#include "support/catch.hpp"
+#include "support/small_archive.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write_file(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+/// The position in the file of a tile's chunk.
+std::size_t position_of(const std::filesystem::path& path, const std::string& map,
+                        const Tile& tile) {
+  const hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  haddr_t address = 0;
+  hsize_t size = 0;
+  unsigned mask = 0;
+  hdf5::check(H5Dget_chunk_info_by_coord(hdf5::open_dataset(file, map), sizes(tile.first).data(),
+                                         &mask, &address, &size),
+              "find a chunk");
+  return address;
+}
+
+void replace_all(std::string& bytes, const std::string& from, const std::string& to) {
+  for (std::size_t i = 0; (i = bytes.find(from, i)) != bytes.npos;)
+    bytes.replace(i, from.size(), to);
+}
+
+}  // namespace
+
+TEST_CASE("Verification finds the damaged maps of each tile, and nothing in an intact archive") {
+  const SmallLattice small;
+  const TileRange all{0, small.tiling.size()};
+  for (const int compression : {0, 4})
+    for (const MapType type : {MapType::float64, MapType::float32}) {
+      const TemporaryFile file("verify");
+      const auto maps = two_maps(type);
+      ArchiveWriter archive = create_archive(file.path(), small, maps, compression);
+      write_all(archive, small);
+      close(archive, file.path());
+      if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+      CHECK(find_damage(file.path(), maps, small.tiling, all).empty());
+      const std::string intact = read_file(file.path());
+      for (std::uint64_t t = 0; t < all.end; t += 3)
+        for (std::size_t m = 0; m < maps.size(); ++m) {
+          std::string bytes = intact;
+          bytes[position_of(file.path(), maps[m].dataset, small.tiling.tile(t))] ^= 1;
+          write_file(file.path(), bytes);
+          const auto damage = find_damage(file.path(), maps, small.tiling, all);
+          REQUIRE(damage.size() == 1);
+          CHECK(damage[0].tile == t);
+          CHECK(damage[0].column == m);
+          CHECK(find_damage(file.path(), maps, small.tiling, {t + 1, all.end}).empty());
+          write_file(file.path(), intact);
+        }
+    }
+}
+
+TEST_CASE("What HDF5 cannot read is damaged") {
+  const SmallLattice small;
+  const TileRange all{0, small.tiling.size()};
+  const TemporaryFile file("verify_unreadable");
+  const auto maps = two_maps(MapType::float64);
+  ArchiveWriter archive = create_archive(file.path(), small, maps, 0);
+  write_all(archive, small);
+  close(archive, file.path());
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const std::string intact = read_file(file.path());
+  std::string without_indices = intact;
+  replace_all(without_indices, "TREE", "tree");
+  for (const std::string& bytes :
+       {std::string(), intact.substr(0, intact.size() / 2), without_indices}) {
+    write_file(file.path(), bytes);
+    CHECK(find_damage(file.path(), maps, small.tiling, all).size() == 3 * all.end);
+  }
+}
+
+TEST_CASE("A verification reads at most 64 MiB of maps, but at least a tile") {
+  const auto maps = two_maps(MapType::float64);
+  LatticeSpec spec;
+  spec.r1 = AxisRange{0.6, 1.4, 0.001};
+  const Lattice lattice(Scene{}, spec);
+  CHECK(tiles_per_verification(maps, Tiling(lattice, {100, 10, 10})) ==
+        (64 << 20) / (100 * 10 * 10 * 9 + sizeof(TallyRow)));
+  CHECK(tiles_per_verification(maps, Tiling(lattice, {801, 1000, 1000})) == 1);
+  CHECK(tiles_per_verification(maps, Tiling(lattice, {1, 1, 1})) == 4096);
+}
