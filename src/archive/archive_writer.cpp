@@ -28,7 +28,7 @@ hdf5::Properties collective_transfer() {
 static_assert(std::endian::native == std::endian::little, "as in the file");
 
 template <class Number>
-std::vector<std::byte> bytes_of(const std::vector<double>& values) {
+std::vector<std::byte> converted_to(const std::vector<double>& values) {
   std::vector<std::byte> bytes(values.size() * sizeof(Number));
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto number = static_cast<Number>(values[i]);
@@ -37,18 +37,18 @@ std::vector<std::byte> bytes_of(const std::vector<double>& values) {
   return bytes;
 }
 
-/// The values as in the file. Converted here because HDF5 makes a collective write independent if
-/// it has to convert types.
-std::vector<std::byte> bytes_of(const std::vector<double>& values, MapType type) {
+/// Values as in the file. Converted here because HDF5 makes a collective write independent if it
+/// has to convert types.
+std::vector<std::byte> converted_to(MapType type, const std::vector<double>& values) {
   switch (type) {
     case MapType::float64:
-      return bytes_of<double>(values);
+      break;
     case MapType::float32:
-      return bytes_of<float>(values);
+      return converted_to<float>(values);
     case MapType::uint8:
-      return bytes_of<unsigned char>(values);
+      return converted_to<unsigned char>(values);
   }
-  throw std::logic_error("unknown map type");
+  throw std::logic_error("not a type to convert to");
 }
 
 /// Writes rows of a dataset that has one row per tile; called by one rank.
@@ -88,13 +88,17 @@ std::vector<std::uint64_t> ArchiveWriter::write_maps(const std::optional<Tile>& 
     // Of the same rank as the file's: otherwise HDF5 maps the selection to chunks value by value.
     const auto extent = sizes(tile ? tile->count : Index3{1, 1, 1});
     const hdf5::Dataspace memory(H5Screate_simple(3, extent.data(), nullptr), "write a map");
-    std::vector<std::byte> bytes;
+    std::vector<std::byte> converted;
+    std::span<const std::byte> bytes;
     if (tile) {
       const auto first = sizes(tile->first);
       check(
           H5Sselect_hyperslab(file, H5S_SELECT_SET, first.data(), nullptr, extent.data(), nullptr),
           "write a map");
-      bytes = bytes_of(maps[m], type);
+      if (type == MapType::float64)
+        bytes = std::as_bytes(std::span(maps[m]));
+      else
+        bytes = converted = converted_to(type, maps[m]);
       checksums.push_back(checksum(bytes));
     } else {
       check(H5Sselect_none(file), "write a map");

@@ -25,58 +25,115 @@ std::vector<Field> additional_fields(const Output& output) {
   return fields;
 }
 
-/// The results of designs, with the fields that a job needs.
-struct Results {
-  Results(const Job& job, std::size_t designs)
-      : fields(additional_fields(job.output)), swings(designs), values(designs * fields.size()) {}
+/// Designs of a tile with the same r1 and r3 and adjacent r2.
+struct Row {
+  std::size_t tile;   ///< in the list of tiles
+  Index3 first;       ///< in the lattice
+  std::size_t cell;   ///< of the first design, in the tile's maps
+  std::size_t count;  ///< of designs
 
-  std::vector<Field> fields;
-  std::vector<SwingResult> swings;
-  std::vector<double> values;  // as in Batch
+  Row part(std::size_t begin, std::size_t end) const {
+    return {tile, {first[0], first[1], first[2] + begin}, cell + begin, end - begin};
+  }
+};
 
-  double value(std::size_t n, Field field) const {
+std::vector<Row> rows_of(const std::vector<NumberedTile>& tiles, const Lattice& lattice) {
+  std::vector<Row> rows;
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    const auto& [first, count] = tiles[t].tile;
+    for (std::size_t k1 = 0; k1 < count[0]; ++k1)
+      for (std::size_t k3 = 0; k3 < count[1]; ++k3) {
+        const Index3 start{first[0] + k1, first[1] + k3, first[2]};
+        const std::size_t end = std::min(lattice.row_length(start[1]), first[2] + count[2]);
+        if (end > first[2])
+          rows.push_back({t, start, (k1 * count[1] + k3) * count[2], end - first[2]});
+      }
+  }
+  return rows;
+}
+
+/// Designs to integrate together, and their results with the fields that a job needs.
+struct Slice {
+  explicit Slice(const Job& job) : fields(additional_fields(job.output)) {}
+
+  /// Integrates the designs. Returns the number of lane steps.
+  std::uint64_t integrate(const Job& job) {
+    swings.resize(designs.size());
+    values.resize(designs.size() * fields.size());
+    return trebsweep::integrate(job.scene, job.solver, {designs, swings, fields, values})
+        .lane_steps;
+  }
+
+  /// Calls f(k, value) with a field's values for the designs [first, first + count).
+  template <class F>
+  void for_each_value(Field field, std::size_t first, std::size_t count, F f) const {
+    const auto all = [&](auto value) {
+      for (std::size_t k = 0; k < count; ++k) f(k, value(first + k));
+    };
     switch (field) {
       case Field::speed:
-        return swings[n].speed;
+        return all([&](std::size_t n) { return swings[n].speed; });
       case Field::release_time:
-        return swings[n].release_time;
+        return all([&](std::size_t n) { return swings[n].release_time; });
       case Field::status:
-        return static_cast<double>(swings[n].status);
+        return all([&](std::size_t n) { return static_cast<double>(swings[n].status); });
       case Field::steps:
-        return static_cast<double>(swings[n].steps);
+        return all([&](std::size_t n) { return static_cast<double>(swings[n].steps); });
       default:
         break;
     }
     const auto found = std::find(fields.begin(), fields.end(), field);
     if (found == fields.end()) throw std::logic_error("a field that was not integrated");
-    return values[n * fields.size() + static_cast<std::size_t>(found - fields.begin())];
+    const auto f_index = static_cast<std::size_t>(found - fields.begin());
+    all([&](std::size_t n) { return values[n * fields.size() + f_index]; });
   }
+
+  std::vector<Field> fields;
+  std::vector<Design<double>> designs;
+  std::vector<SwingResult> swings;
+  std::vector<double> values;  // as in Batch
 };
 
-/// Calls f(i, cell) for each design of a tile: its index in the lattice and in the tile's maps.
-template <class F>
-void for_each_design(const Lattice& lattice, const Tile& tile, F f) {
-  std::size_t cell = 0;
-  for (std::size_t i1 = tile.first[0]; i1 < tile.first[0] + tile.count[0]; ++i1)
-    for (std::size_t i3 = tile.first[1]; i3 < tile.first[1] + tile.count[1]; ++i3)
-      for (std::size_t i2 = tile.first[2]; i2 < tile.first[2] + tile.count[2]; ++i2, ++cell)
-        if (lattice.holds({i1, i3, i2})) f(Index3{i1, i3, i2}, cell);
+/// Moves designs of the rows from `row` on, of which `taken` have been moved before, to an empty
+/// slice until it holds `count`. Returns their rows.
+std::vector<Row> fill(Slice& slice, const std::vector<Row>& rows, std::size_t& row,
+                      std::size_t& taken, std::size_t count, const Lattice& lattice) {
+  std::vector<Row> parts;
+  while (row < rows.size() && slice.designs.size() < count) {
+    const std::size_t end = std::min(taken + count - slice.designs.size(), rows[row].count);
+    const Row& part = parts.emplace_back(rows[row].part(taken, end));
+    for (std::size_t k = 0; k < part.count; ++k)
+      slice.designs.push_back(lattice.design({part.first[0], part.first[1], part.first[2] + k}));
+    taken = end;
+    if (taken == rows[row].count) {
+      ++row;
+      taken = 0;
+    }
+  }
+  return parts;
 }
 
-/// Integrates a batch in slices of about 0.2 s, since slow designs can take minutes per tile.
-/// Returns the number of lane steps, or nothing once `stop` is true.
-std::optional<std::uint64_t> integrate_unless_stopped(const Job& job, const Batch& batch,
-                                                      const std::function<bool()>& stop) {
-  std::uint64_t lane_steps = 0, slice = 16;
-  for (std::size_t first = 0; first < batch.designs.size();) {
-    if (stop()) return std::nullopt;
-    const std::size_t count = std::min(slice, batch.designs.size() - first);
-    const double start = MPI_Wtime();
-    lane_steps += integrate(job.scene, job.solver, batch.slice(first, count)).lane_steps;
-    slice = next_count(slice, MPI_Wtime() - start, 0.2);
-    first += count;
+/// Adds the results of a row, which begin at index n of a slice, to its tile.
+void store(const Job& job, const Lattice& lattice, const Slice& slice, const Row& row,
+           std::size_t n, ComputedTile& tile) {
+  const std::vector<Field>& fields = job.output.fields;
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    double* const map = tile.maps[f].data() + row.cell;
+    const bool flag = is_flag(fields[f]);
+    slice.for_each_value(fields[f], n, row.count, [&](std::size_t k, double value) {
+      map[k] = flag && std::isnan(value) ? 0 : value;
+    });
   }
-  return lane_steps;
+  const bool all_compete = job.output.optimum_filter == OptimumFilter::all;
+  const Index3 extent = lattice.extent();
+  const std::size_t cell = (row.first[0] * extent[1] + row.first[1]) * extent[2] + row.first[2];
+  if (all_compete) {
+    for (std::size_t k = 0; k < row.count; ++k) tile.tally.add(slice.swings[n + k], cell + k, true);
+  } else {
+    slice.for_each_value(Field::slack, n, row.count, [&](std::size_t k, double slack) {
+      tile.tally.add(slice.swings[n + k], cell + k, slack == 1);  // taut
+    });
+  }
 }
 
 /// Attributes lane steps to tiles in proportion to their steps. Packs cross tiles, so that they can
@@ -98,37 +155,30 @@ void share_lane_steps(std::uint64_t lane_steps, std::vector<ComputedTile>& tiles
 std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>& tiles,
                                                  const Job& job, const Lattice& lattice,
                                                  const std::function<bool()>& stop) {
-  if (stop()) return std::nullopt;
-  std::vector<Design<double>> designs;
-  for (const auto& [number, tile] : tiles)
-    for_each_design(lattice, tile,
-                    [&](const Index3& i, std::size_t) { designs.push_back(lattice.design(i)); });
-  Results results(job, designs.size());
-  const auto lane_steps = integrate_unless_stopped(
-      job, {designs, results.swings, results.fields, results.values}, stop);
-  if (!lane_steps) return std::nullopt;
-
-  const std::vector<Field>& fields = job.output.fields;
-  const Index3 extent = lattice.extent();
+  // Slices take at most about 0.2 s, since slow designs can take minutes per tile. Small ones stay
+  // in the cache.
+  constexpr std::uint64_t max_count = 4096;
+  std::uint64_t lane_steps = 0, count = 16;
   std::vector<ComputedTile> computed(tiles.size());
-  std::size_t n = 0;
-  for (std::size_t t = 0; t < tiles.size(); ++t) {
-    const Tile& tile = tiles[t].tile;
-    auto& maps = computed[t].maps;
-    for (const Field field : fields) maps.emplace_back(tile.cells(), fill_value(field));
-    for_each_design(lattice, tile, [&](const Index3& i, std::size_t cell) {
-      for (std::size_t f = 0; f < fields.size(); ++f) {
-        const double value = results.value(n, fields[f]);
-        maps[f][cell] = is_flag(fields[f]) && std::isnan(value) ? 0 : value;
-      }
-      const bool competes = job.output.optimum_filter == OptimumFilter::all ||
-                            results.value(n, Field::slack) == 1;  // taut
-      computed[t].tally.add(results.swings[n], (i[0] * extent[1] + i[1]) * extent[2] + i[2],
-                            competes);
-      ++n;
-    });
+  for (std::size_t t = 0; t < tiles.size(); ++t)
+    for (const Field field : job.output.fields)
+      computed[t].maps.emplace_back(tiles[t].tile.cells(), fill_value(field));
+  const std::vector<Row> rows = rows_of(tiles, lattice);
+  Slice slice(job);
+  for (std::size_t row = 0, taken = 0; row < rows.size();) {
+    if (stop()) return std::nullopt;
+    slice.designs.clear();
+    const auto parts = fill(slice, rows, row, taken, count, lattice);
+    const double start = MPI_Wtime();
+    lane_steps += slice.integrate(job);
+    count = std::min(next_count(count, MPI_Wtime() - start, 0.2), max_count);
+    std::size_t n = 0;
+    for (const Row& part : parts) {
+      store(job, lattice, slice, part, n, computed[part.tile]);
+      n += part.count;
+    }
   }
-  share_lane_steps(*lane_steps, computed);
+  share_lane_steps(lane_steps, computed);
   return computed;
 }
 
@@ -141,12 +191,12 @@ double seconds_per_design(const Job& job, const Lattice& lattice,
   const double start = MPI_Wtime();
   double seconds = 0;
   std::size_t done = 0;
+  Slice slice(job);
   for (std::size_t p = 0; p < parts && seconds < enough && !stop(); ++p) {
-    std::vector<Design<double>> part;  // every parts-th design, so that each part is representative
-    for (std::size_t i = p; i < designs.size(); i += parts) part.push_back(designs[i]);
-    Results results(job, part.size());
-    integrate(job.scene, job.solver, {part, results.swings, results.fields, results.values});
-    done += part.size();
+    slice.designs.clear();  // every parts-th design, so that each part is representative
+    for (std::size_t i = p; i < designs.size(); i += parts) slice.designs.push_back(designs[i]);
+    slice.integrate(job);
+    done += slice.designs.size();
     seconds = MPI_Wtime() - start;
   }
   return done > 0 ? seconds / static_cast<double>(done) : 0;

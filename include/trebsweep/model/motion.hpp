@@ -109,17 +109,15 @@ class Motion {
       dxdt[stretching] =
           sling_.arm * along + X(x[length] * x[w2] * x[w2] - tension * sling_.per_mass);
     } else {
-      // The order of operations shortens the path from the rates to the accelerations, which the
-      // stages of a stepper have to follow one after the other. In particular, the division
-      // depends on the angles only.
+      // The division depends on the angles only, which a stepper knows before the rates of a stage:
+      // its latency is hidden.
       const X per_inertia = X(1) / X(sinD * sinD + sling_.inertia);
       const X gravity = torque_ * at[sin1] + weight * cosD;
-      const X whirl1 = X(sinD * cosD) * x[w1], whirl2 = X(sling_.r3_r2 * sinD) * x[w2];
-      const X torque = X(gravity - whirl1 * x[w1]) - whirl2 * x[w2];
-      const X acceleration1 = with_friction(torque, x[w1]) * per_inertia;
-      const X rest = sling_.r2_r3 * X(x[w1] * x[w1] * sinD - weight);
+      const X w1w1 = x[w1] * x[w1];
+      const X whirl = w1w1 * cosD + X(sling_.r3_r2 * x[w2]) * x[w2];
+      const X acceleration1 = with_friction(X(gravity - sinD * whirl), x[w1]) * per_inertia;
       dxdt[w1] = acceleration1;
-      dxdt[w2] = rest - acceleration1 * X(sling_.r2_r3 * cosD);
+      dxdt[w2] = X(X(w1w1 * sinD - weight) - acceleration1 * cosD) * sling_.r2_r3;
     }
   }
 

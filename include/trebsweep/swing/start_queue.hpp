@@ -52,14 +52,14 @@ class StartQueue {
   static constexpr std::size_t lanes = Lanes<T>::count;
 
   /// The length of the first step: the fixed step, or that for which a local error of h^(q + 1)
-  /// times the initial acceleration is a hundredth of the tolerance, q the order of the method
+  /// times the initial acceleration is a tenth of the tolerance, q the order of the method
   /// (Hairer, Norsett and Wanner, II.4, without their second evaluation).
   T first_step(const Stepper& stepper, const Instant<T, E>& at) const {
     using std::abs;
     if constexpr (!is_adaptive<Stepper>) return T(Number(solver_.time_step));
     const T a = abs(at.dxdt[w1]), b = abs(at.dxdt[w2]);
     const T rate = select(a < b, b, a);
-    return rough_power(T(0.01 * solver_.tolerance), rate, 1.0 / (stepper.order() + 1));
+    return rough_power(T(0.1 * solver_.tolerance), rate, 1.0 / (stepper.order() + 1));
   }
 
   const Scene scene_;
