@@ -1,11 +1,13 @@
 #include "trebsweep/archive/archive_writer.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
 #include <stdexcept>
 
 #include "trebsweep/archive/checksum.hpp"
+#include "trebsweep/archive/map_chunks.hpp"
 #include "trebsweep/archive/partial.hpp"
 #include "trebsweep/base/mpi.hpp"
 
@@ -51,6 +53,20 @@ std::vector<std::byte> converted_to(MapType type, const std::vector<double>& val
   throw std::logic_error("not a type to convert to");
 }
 
+/// The chunk of a tile, given the bytes of the tile's values: the chunk has cells beyond the tile,
+/// which no reader sees, at the upper ends of the axes.
+std::vector<std::byte> chunk_of(const Tile& tile, const Index3& edge,
+                                std::span<const std::byte> bytes) {
+  const std::size_t row = bytes.size() / (tile.count[0] * tile.count[1]);
+  const std::size_t chunk_row = row / tile.count[2] * edge[2];
+  std::vector<std::byte> chunk(edge[0] * edge[1] * chunk_row);
+  for (std::size_t i = 0; i < tile.count[0]; ++i)
+    for (std::size_t j = 0; j < tile.count[1]; ++j)
+      std::memcpy(&chunk[(i * edge[1] + j) * chunk_row], &bytes[(i * tile.count[1] + j) * row],
+                  row);
+  return chunk;
+}
+
 /// Writes rows of a dataset that has one row per tile; called by one rank.
 void write_rows(hid_t dataset, std::uint64_t first, std::size_t count, std::size_t columns,
                 hid_t type, const void* rows) {
@@ -67,13 +83,23 @@ void write_rows(hid_t dataset, std::uint64_t first, std::size_t count, std::size
 
 }  // namespace
 
+ArchiveWriter::Map ArchiveWriter::open_map(hid_t file, const MapInfo& info) {
+  const std::string what = "read the properties of map " + info.dataset;
+  Map map{hdf5::open_dataset(file, info.dataset), info.type, false, {}};
+  const hdf5::Properties properties(H5Dget_create_plist(map.dataset), what);
+  map.compressed = H5Pget_nfilters(properties) > 0;
+  std::array<hsize_t, 3> edge{};
+  check(H5Pget_chunk(properties, 3, edge.data()), what);
+  std::copy(edge.begin(), edge.end(), map.edge.begin());
+  return map;
+}
+
 ArchiveWriter::ArchiveWriter(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
                              MPI_Comm comm)
     : path_(path), comm_(comm), collective_(collective_transfer()) {
   hdf5::silence();
   file_.emplace(hdf5::open_parallel(partial_path(path), comm));
-  for (const MapInfo& map : maps)
-    maps_.push_back({hdf5::open_dataset(*file_, map.dataset), map.type});
+  for (const MapInfo& map : maps) maps_.push_back(open_map(*file_, map));
   tile_done_ = hdf5::open_dataset(*file_, "tile_done");
   tile_tally_ = hdf5::open_dataset(*file_, "tile_tally");
   tile_checksum_ = hdf5::open_dataset(*file_, "tile_checksum");
@@ -83,31 +109,42 @@ std::vector<std::uint64_t> ArchiveWriter::write_maps(const std::optional<Tile>& 
                                                      std::span<const std::vector<double>> maps) {
   std::vector<std::uint64_t> checksums;
   for (std::size_t m = 0; m < maps_.size(); ++m) {
-    const auto& [dataset, type] = maps_[m];
-    const hdf5::Dataspace file(H5Dget_space(dataset), "write a map");
-    // Of the same rank as the file's: otherwise HDF5 maps the selection to chunks value by value.
-    const auto extent = sizes(tile ? tile->count : Index3{1, 1, 1});
-    const hdf5::Dataspace memory(H5Screate_simple(3, extent.data(), nullptr), "write a map");
+    const Map& map = maps_[m];
     std::vector<std::byte> converted;
     std::span<const std::byte> bytes;
     if (tile) {
-      const auto first = sizes(tile->first);
-      check(
-          H5Sselect_hyperslab(file, H5S_SELECT_SET, first.data(), nullptr, extent.data(), nullptr),
-          "write a map");
-      if (type == MapType::float64)
+      if (map.type == MapType::float64)
         bytes = std::as_bytes(std::span(maps[m]));
       else
-        bytes = converted = converted_to(type, maps[m]);
+        bytes = converted = converted_to(map.type, maps[m]);
       checksums.push_back(checksum(bytes));
-    } else {
-      check(H5Sselect_none(file), "write a map");
-      check(H5Sselect_none(memory), "write a map");
     }
-    check(H5Dwrite(dataset, file_type(type), memory, file, collective_, bytes.data()),
-          "write a map");
+    if (map.compressed)
+      write_collectively(map, tile, bytes);
+    else if (tile && tile->count == map.edge)
+      write_chunk(map.dataset, *tile, bytes);
+    else if (tile)  // a chunk is written at once, the rows of a part of it would be one by one
+      write_chunk(map.dataset, *tile, chunk_of(*tile, map.edge, bytes));
   }
   return checksums;
+}
+
+void ArchiveWriter::write_collectively(const Map& map, const std::optional<Tile>& tile,
+                                       std::span<const std::byte> bytes) {
+  const std::string what = "write a map";
+  const hdf5::Dataspace file(H5Dget_space(map.dataset), what);
+  // Of the same rank as the file's: otherwise HDF5 maps the selection to chunks value by value.
+  const auto extent = sizes(tile ? tile->count : Index3{1, 1, 1});
+  const hdf5::Dataspace memory(H5Screate_simple(3, extent.data(), nullptr), what);
+  if (tile) {
+    const auto first = sizes(tile->first);
+    check(H5Sselect_hyperslab(file, H5S_SELECT_SET, first.data(), nullptr, extent.data(), nullptr),
+          what);
+  } else {
+    check(H5Sselect_none(file), what);
+    check(H5Sselect_none(memory), what);
+  }
+  check(H5Dwrite(map.dataset, file_type(map.type), memory, file, collective_, bytes.data()), what);
 }
 
 std::vector<std::uint64_t> ArchiveWriter::write(const std::optional<Tile>& tile,

@@ -10,13 +10,6 @@ namespace {
 
 using hdf5::check;
 
-/// Writes the chunk of a tile, given its bytes as stored in the file.
-void write_chunk(hid_t map, const Tile& tile, const std::vector<unsigned char>& bytes) {
-  const auto first = sizes(tile.first);
-  check(H5Dwrite_chunk(map, H5P_DEFAULT, 0, first.data(), bytes.size(), bytes.data()),
-        "write an empty chunk");
-}
-
 double fraction(std::uint64_t done, std::uint64_t total) {
   return static_cast<double>(done) / static_cast<double>(total);
 }
@@ -24,7 +17,7 @@ double fraction(std::uint64_t done, std::uint64_t total) {
 /// A map whose chunks are to be filled, with the bytes of an empty one.
 struct UnfilledMap {
   hdf5::Dataset map;
-  std::vector<unsigned char> empty;
+  std::vector<std::byte> empty;
 };
 
 std::vector<UnfilledMap> unfilled_maps(hid_t file, const std::vector<MapInfo>& maps,
@@ -53,7 +46,13 @@ hdf5::Properties map_properties(const MapInfo& info, const Index3& edge, int com
   return properties;
 }
 
-std::vector<unsigned char> empty_chunk(hid_t properties, const MapInfo& info, const Index3& edge) {
+void write_chunk(hid_t map, const Tile& tile, std::span<const std::byte> bytes) {
+  const auto first = sizes(tile.first);
+  check(H5Dwrite_chunk(map, H5P_DEFAULT, 0, first.data(), bytes.size(), bytes.data()),
+        "write a chunk");
+}
+
+std::vector<std::byte> empty_chunk(hid_t properties, const MapInfo& info, const Index3& edge) {
   // HDF5 itself fills and compresses the chunk, in a file in memory.
   const std::string what = "make an empty chunk";
   const hdf5::Properties in_memory(H5Pcreate(H5P_FILE_ACCESS), what);
@@ -72,13 +71,13 @@ std::vector<unsigned char> empty_chunk(hid_t properties, const MapInfo& info, co
   check(H5Fflush(file, H5F_SCOPE_LOCAL), what);
   hsize_t size = 0;
   check(H5Dget_chunk_storage_size(chunk, first.data(), &size), what);
-  std::vector<unsigned char> bytes(size);
+  std::vector<std::byte> bytes(size);
   std::uint32_t filters = 0;
   check(H5Dread_chunk(chunk, H5P_DEFAULT, first.data(), &filters, bytes.data()), what);
   return bytes;
 }
 
-bool allocate_compressed(hid_t map, const std::vector<unsigned char>& empty, const Tiling& tiling,
+bool allocate_compressed(hid_t map, const std::vector<std::byte>& empty, const Tiling& tiling,
                          const ProgressCallback& progress) {
   for (std::uint64_t t = 0; t < tiling.size(); ++t) {
     if (progress(fraction(t, tiling.size()))) return false;

@@ -12,6 +12,11 @@ std::uint64_t tiles_along(const Index3& extent, const Index3& edge, std::size_t 
   return (extent[axis] + edge[axis] - 1) / edge[axis];
 }
 
+std::uint64_t max_tiles_per_rank(std::size_t bytes_per_tile) {
+  constexpr std::uint64_t max_bytes = 64 << 20;
+  return std::max<std::uint64_t>(1, max_bytes / bytes_per_tile);
+}
+
 }  // namespace
 
 Index3 tile_edge(const Index3& extent, double design_seconds) {
@@ -68,11 +73,16 @@ std::uint64_t next_count(std::uint64_t count, double seconds, double target) {
                                  static_cast<std::uint64_t>(static_cast<double>(count) * factor));
 }
 
+std::uint64_t first_tiles_per_rank(double tile_seconds, std::size_t bytes_per_tile) {
+  if (tile_seconds <= 0) return 1;
+  const double tiles = std::clamp(0.25 / tile_seconds, 1.0, 1e9);
+  return std::min(static_cast<std::uint64_t>(tiles), max_tiles_per_rank(bytes_per_tile));
+}
+
 std::uint64_t next_tiles_per_rank(std::uint64_t tiles_per_rank, double round_seconds,
                                   std::size_t bytes_per_tile) {
-  constexpr std::uint64_t max_bytes = 64 << 20;
-  const std::uint64_t max_tiles = std::max<std::uint64_t>(1, max_bytes / bytes_per_tile);
-  return std::min(next_count(tiles_per_rank, round_seconds, 2.0), max_tiles);
+  return std::min(next_count(tiles_per_rank, round_seconds, 2.0),
+                  max_tiles_per_rank(bytes_per_tile));
 }
 
 }  // namespace trebsweep

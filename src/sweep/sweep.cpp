@@ -35,6 +35,7 @@ struct Start {
   bool complete = false;  ///< the archive of this job already exists
   bool resumes = false;   ///< a partial archive of this job exists
   Index3 tile_edge{};
+  double design_seconds = 0;     ///< to integrate a design; 0: not measured
   std::uint64_t tiles_done = 0;  ///< by earlier runs
 };
 
@@ -54,12 +55,10 @@ void check_kernels(MPI_Comm comm) {
 }
 
 /// The extent of the tiles of a new archive.
-Index3 choose_tile_edge(const Context& context) {
+Index3 choose_tile_edge(const Context& context, double design_seconds) {
   const Index3 extent = context.lattice.extent();
-  Index3 edge = context.options.tile_edge
-                    ? *context.options.tile_edge
-                    : tile_edge(extent, seconds_per_design(context.job, context.lattice,
-                                                           context.options.stop));
+  Index3 edge =
+      context.options.tile_edge ? *context.options.tile_edge : tile_edge(extent, design_seconds);
   for (std::size_t d = 0; d < 3; ++d) edge[d] = std::min(edge[d], extent[d]);
   return edge;
 }
@@ -73,7 +72,8 @@ Start find_start(const Context& context, const OutputState& output) {
     start.tile_edge = output.partial->tile_edge;
     start.tiles_done = output.partial->tiles_done;
   } else if (!start.complete) {
-    start.tile_edge = choose_tile_edge(context);
+    start.design_seconds = seconds_per_design(context.job, context.lattice, context.options.stop);
+    start.tile_edge = choose_tile_edge(context, start.design_seconds);
   }
   return start;
 }
@@ -163,11 +163,12 @@ std::vector<std::uint64_t> gather_checksums(
 /// Computes tiles in rounds. Each round ends with a checkpoint: maps, tallies and checksums are
 /// written and flushed, then the tiles are marked done and the marks flushed. A killed run
 /// therefore loses at most the round in progress. Collective; ends early if any rank is stopped.
-/// `start_time` is MPI_Wtime() at the start of the sweep. `tally` has the designs of earlier runs
+/// `design_seconds` is the time to integrate a design, or 0 if it is unknown; `start_time` is
+/// MPI_Wtime() at the start of the sweep. `tally` has the designs of earlier runs
 /// on rank 0, and gains those that this rank computes. Returns whether all tiles were computed.
 bool run_rounds(const Context& context, const Tiling& tiling, std::vector<TileRange> to_compute,
-                const RunId& run_id, double start_time, const std::filesystem::path& partial,
-                ArchiveWriter& archive, Tally& tally) {
+                double design_seconds, const RunId& run_id, double start_time,
+                const std::filesystem::path& partial, ArchiveWriter& archive, Tally& tally) {
   const Job& job = context.job;
   const Lattice& lattice = context.lattice;
   const MPI_Comm comm = context.comm;
@@ -178,7 +179,9 @@ bool run_rounds(const Context& context, const Tiling& tiling, std::vector<TileRa
   const auto& [n1, n3, n2] = tiling.edge();
   const std::size_t maps = job.output.fields.size();
   const std::size_t bytes_per_tile = n1 * n3 * n2 * maps * sizeof(double);
-  std::uint64_t tiles_per_rank = 1;
+  const double tile_seconds =
+      design_seconds * static_cast<double>(lattice.designs()) / static_cast<double>(tiling.size());
+  std::uint64_t tiles_per_rank = first_tiles_per_rank(tile_seconds, bytes_per_tile);
   double counted = start_time;  // tallies include the time up to here
   auto range = to_compute.begin();
   while (range != to_compute.end()) {
@@ -256,8 +259,8 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   const std::filesystem::path partial = partial_path(path);
   require_visible(partial, comm);
   ArchiveWriter archive(path, map_infos(job.output), comm);
-  const bool complete =
-      run_rounds(context, tiling, to_compute, *run_id, start_time, partial, archive, tally);
+  const bool complete = run_rounds(context, tiling, to_compute, start.design_seconds, *run_id,
+                                   start_time, partial, archive, tally);
 
   Summary summary = combine(tally, lattice, comm);
   summary.complete = complete;

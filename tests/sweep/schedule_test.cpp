@@ -64,6 +64,10 @@ TEST_CASE("Every tile of a round is assigned to one rank, and loads differ by at
 }
 
 TEST_CASE("Rounds approach two seconds and stay within 64 MiB per rank") {
+  CHECK(first_tiles_per_rank(0, 1000) == 1);
+  CHECK(first_tiles_per_rank(0.01, 1000) == 25);
+  CHECK(first_tiles_per_rank(1, 1000) == 1);
+  CHECK(first_tiles_per_rank(1e-20, 16 << 20) == 4);
   CHECK(next_tiles_per_rank(1, 0.1, 1000) == 8);  // grows at most eightfold
   CHECK(next_tiles_per_rank(10, 4, 1000) == 5);
   CHECK(next_tiles_per_rank(1, 100, 1000) == 1);

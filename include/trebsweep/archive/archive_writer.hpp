@@ -2,6 +2,7 @@
 
 #include <mpi.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -43,10 +44,15 @@ class ArchiveWriter {
   struct Map {
     hdf5::Dataset dataset;
     MapType type;
+    bool compressed;
+    Index3 edge;  ///< of a chunk
   };
 
+  static Map open_map(hid_t file, const MapInfo& info);
   std::vector<std::uint64_t> write_maps(const std::optional<Tile>& tile,
                                         std::span<const std::vector<double>> maps);
+  void write_collectively(const Map& map, const std::optional<Tile>& tile,
+                          std::span<const std::byte> bytes);
   void write_results(std::uint64_t first, std::span<const TallyRow> tallies,
                      std::span<const std::uint64_t> checksums);
   void flush();

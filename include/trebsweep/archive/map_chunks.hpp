@@ -2,8 +2,10 @@
 
 #include <mpi.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "trebsweep/archive/archive_format.hpp"
@@ -19,12 +21,16 @@ namespace trebsweep {
 /// The creation properties of a map's dataset, whose chunks have the extent `edge`.
 hdf5::Properties map_properties(const MapInfo& info, const Index3& edge, int compression);
 
+/// Writes the chunk of a tile, given its bytes as stored in the file; the chunk must be allocated.
+/// Not collective.
+void write_chunk(hid_t map, const Tile& tile, std::span<const std::byte> bytes);
+
 /// The bytes, as stored in the file, of a chunk in which every cell has the map's fill value.
-std::vector<unsigned char> empty_chunk(hid_t properties, const MapInfo& info, const Index3& edge);
+std::vector<std::byte> empty_chunk(hid_t properties, const MapInfo& info, const Index3& edge);
 
 /// Allocates the chunks of all tiles of a compressed map, as empty chunks. Returns false if
 /// stopped.
-bool allocate_compressed(hid_t map, const std::vector<unsigned char>& empty, const Tiling& tiling,
+bool allocate_compressed(hid_t map, const std::vector<std::byte>& empty, const Tiling& tiling,
                          const ProgressCallback& progress);
 
 /// Allocates the chunks of the tiles [first, end) of an uncompressed map, by writing one cell of

@@ -31,6 +31,10 @@ std::vector<std::vector<NumberedTile>> assign_tiles(const TileRange& range, std:
 /// are unreliable.
 std::uint64_t next_count(std::uint64_t count, double seconds, double target);
 
+/// The number of tiles per rank in the first round, if a tile takes about `tile_seconds`, or 0 if
+/// that is unknown: a round of a quarter of a second, so that a short sweep needs only one.
+std::uint64_t first_tiles_per_rank(double tile_seconds, std::size_t bytes_per_tile);
+
 /// The number of tiles per rank in the next round, if the last round had `tiles_per_rank` and took
 /// `round_seconds`: rounds of about two seconds, which make the cost of writing and checkpointing
 /// small and lose little work when a run is killed; at most 64 MiB of maps in memory.
