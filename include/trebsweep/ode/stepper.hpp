@@ -159,14 +159,48 @@ void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& 
   }
 }
 
+/// An adaptive stepper for packs of one register instead of R.
+template <class Stepper>
+struct OneRegister;
+
+template <template <class, class, class, class, class, class, class> class Stepper, std::size_t R,
+          std::size_t N, class Number, class Resizer>
+struct OneRegister<Stepper<std::array<Pack<R>, N>, Number, std::array<Pack<R>, N>, Number, Algebra,
+                           Operations, Resizer>> {
+  using type = Stepper<std::array<Pack<1>, N>, Number, std::array<Pack<1>, N>, Number, Algebra,
+                       Operations, Resizer>;
+};
+
+/// Advances register r of a pack. A step has more values than there are registers: those of a
+/// single register of lanes have to be stored and loaded less often.
+template <class Stepper, std::size_t R, Effects E>
+[[gnu::flatten, gnu::noinline]] void advance_register(const Motion<Pack<R>, E>& motion,
+                                                      const Instant<Pack<R>, E>& from,
+                                                      const Pack<R>& h, Instant<Pack<R>, E>& to,
+                                                      State<Pack<R>, E>& error, std::size_t r) {
+  using One = Pack<1>;
+  Instant<One, E> end;
+  State<One, E> difference;
+  typename OneRegister<Stepper>::type stepper;
+  advance<typename OneRegister<Stepper>::type, One, E>(
+      stepper, get_register<Motion<One, E>, R>(motion, r),
+      get_register<Instant<One, E>, R>(from, r), get_register<One, R>(h, r), end, difference);
+  set_register<R>(to, r, end);
+  set_register<R>(error, r, difference);
+}
+
 /// The same for packs, with all of Odeint inlined so that values stay in registers. The
 /// coefficients of a local stepper are constants to the compiler.
 template <class Stepper, std::size_t R, Effects E>
 [[gnu::flatten]] inline void advance(Stepper&, const Motion<Pack<R>, E>& motion,
                                      const Instant<Pack<R>, E>& from, const Pack<R>& h,
                                      Instant<Pack<R>, E>& to, State<Pack<R>, E>& error) {
-  Stepper stepper;
-  advance<Stepper, Pack<R>, E>(stepper, motion, from, h, to, error);
+  if constexpr (is_adaptive<Stepper> && R > 1) {
+    for (std::size_t r = 0; r < R; ++r) advance_register<Stepper>(motion, from, h, to, error, r);
+  } else {
+    Stepper stepper;
+    advance<Stepper, Pack<R>, E>(stepper, motion, from, h, to, error);
+  }
 }
 
 /// Calls f.operator()<Stepper>() with the class template Stepper<T, E> of that name. Throws

@@ -267,13 +267,13 @@ class TableauStepper : public boost::numeric::odeint::explicit_error_generic_rk<
 
 template <class State, class Value, class Deriv, class Time, class Algebra, class Operations,
           class Resizer>
-using Verner76 =
-    TableauStepper<verner76, 7, 6, State, Value, Deriv, Time, Algebra, Operations, Resizer>;
+class Verner76 : public TableauStepper<verner76, 7, 6, State, Value, Deriv, Time, Algebra,
+                                       Operations, Resizer> {};
 
 template <class State, class Value, class Deriv, class Time, class Algebra, class Operations,
           class Resizer>
-using Verner87 =
-    TableauStepper<verner87, 8, 7, State, Value, Deriv, Time, Algebra, Operations, Resizer>;
+class Verner87 : public TableauStepper<verner87, 8, 7, State, Value, Deriv, Time, Algebra,
+                                       Operations, Resizer> {};
 
 }  // namespace trebsweep
 

@@ -73,4 +73,27 @@ void copy_lane(Struct& to, std::size_t i, const Struct& from, std::size_t j) {
   }
 }
 
+/// Register r of every number in `from`, which consists of packs of R registers only. One is the
+/// same type for packs of one register.
+template <class One, std::size_t R, class Struct>
+[[gnu::always_inline]] inline One get_register(const Struct& from, std::size_t r) {
+  static_assert(std::is_trivially_copyable_v<Struct> && sizeof(Struct) == R * sizeof(One));
+  One to;
+  auto* const out = reinterpret_cast<Register*>(&to);
+  const auto* const in = reinterpret_cast<const Register*>(&from) + r;
+#pragma GCC unroll 32
+  for (std::size_t n = 0; n < sizeof(One) / sizeof(Register); ++n) out[n] = in[n * R];
+  return to;
+}
+
+/// Sets register r of every number in `to`; see get_register().
+template <std::size_t R, class Struct, class One>
+[[gnu::always_inline]] inline void set_register(Struct& to, std::size_t r, const One& from) {
+  static_assert(std::is_trivially_copyable_v<Struct> && sizeof(Struct) == R * sizeof(One));
+  auto* const out = reinterpret_cast<Register*>(&to) + r;
+  const auto* const in = reinterpret_cast<const Register*>(&from);
+#pragma GCC unroll 32
+  for (std::size_t n = 0; n < sizeof(One) / sizeof(Register); ++n) out[n * R] = in[n];
+}
+
 }  // namespace trebsweep

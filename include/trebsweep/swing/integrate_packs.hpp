@@ -31,15 +31,16 @@ Work integrate_by(const Scene& scene, const Solver& solver, const Batch& batch) 
   return {lane_steps, evaluations(swings.stepper(), steps)};
 }
 
-/// Registers in a pack: the second hides the latencies of the first; a third would not fit in the
-/// L1 cache.
-inline constexpr std::size_t registers_per_pack = 2;
+/// Registers in a pack: several hide the latencies of a fixed step, or those of choosing the length
+/// of adaptive steps, which are made register by register.
+template <template <class, Effects> class Stepper>
+inline constexpr std::size_t registers_per_pack = is_adaptive<Stepper<Pack<1>, Effects{}>> ? 3 : 2;
 
 /// integrate_packs() for one stepper. Instantiated in src/swing/kernel/, in one source per stepper,
 /// so that they compile in parallel.
 template <template <class, Effects> class Stepper>
 Work integrate_packs_by(const Scene& scene, const Solver& solver, const Batch& batch) {
-  using T = Pack<registers_per_pack>;
+  using T = Pack<registers_per_pack<Stepper>>;
   return with_effects(
       scene, [&]<Effects E>() { return integrate_by<Stepper<T, E>, T, E>(scene, solver, batch); });
 }
