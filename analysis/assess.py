@@ -20,7 +20,7 @@ from maps import draw, finite_values, middle, scaled, slices, views
 from picture import FORMATS, labelled, plt, save
 
 STEPPERS = ("euler", "modified_midpoint", "rk4", "cash_karp54", "dopri5", "fehlberg78",
-            "adams_bashforth_moulton", "bulirsch_stoer", "rosenbrock4")
+            "vern7", "vern8", "adams_bashforth_moulton", "bulirsch_stoer", "rosenbrock4")
 MARKERS = "os^vD*XphP<>"
 
 

@@ -206,7 +206,7 @@ Table growth_table(const Case& c, const std::optional<std::vector<OscillationGro
 }
 
 Table lattice_table(const Case& c, const std::optional<std::vector<LatticeMeasurement>>& measured) {
-  Table table{"lattice", fmt::format("Errors on the whole lattice of {}, relative to fehlberg78 at "
+  Table table{"lattice", fmt::format("Errors on the whole lattice of {}, relative to vern8 at "
                                      "a tolerance of 1e-13",
                                      c.name)};
   if (!measured) return table;

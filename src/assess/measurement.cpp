@@ -124,7 +124,7 @@ std::optional<std::vector<LatticeMeasurement>> measure_lattice(
   if (assessment.lattice_seconds == 0 || lattice.designs() > 10'000'000) return std::nullopt;
   const auto designs = all_designs(lattice);
   const auto truth =
-      lattice_speeds(c.job.scene, solver_of("fehlberg78", 1e-13, c.job.solver), designs, comm);
+      lattice_speeds(c.job.scene, solver_of("vern8", 1e-13, c.job.solver), designs, comm);
   std::vector<LatticeMeasurement> errors;
   for (const Measurement& m : measured)
     if (m.test_case == &c && m.accuracy.seconds * static_cast<double>(designs.size()) <

@@ -288,7 +288,7 @@ class Reports(PictureTest):
     def test_optimum_prints_options_of_trace(self):
         done = self.run_script("optimum.py", "accurate.h5", "--job", "accurate-job.cfg")
         self.assertRegex(done.stdout, r"^--r1 [\d.]+ --r3 [\d.]+ --r2 [\d.]+\n$")
-        self.assertIn(b"stepper = fehlberg78\n", self.read("accurate-job.cfg"))
+        self.assertIn(b"stepper = vern8\n", self.read("accurate-job.cfg"))
 
     def test_invalid_options_are_refused_with_what_is_allowed(self):
         for script, arguments, words in (
