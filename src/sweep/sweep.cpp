@@ -263,7 +263,8 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
                                    start_time, partial, archive, tally);
 
   Summary summary = combine(tally, lattice, comm);
-  summary.complete = complete;
+  // A stop may have left tiles of earlier runs unverified.
+  summary.complete = complete && mpi::max(options.stop() ? 1 : 0, comm) == 0;
   if (summary.complete) {
     std::optional<ErrorSample> sample = ErrorSample{};
     if (job.solver.check) sample = measure_error(job, lattice, summary, options.stop, comm);

@@ -59,7 +59,7 @@ std::vector<double> separate_values(Field field, const Scene& scene, const Solve
 /// The solver of integrate_accurately() at a tolerance.
 Solver accurate(const Scene& scene, const Solver& limits, double tolerance) {
   // Another stepper than the one to be checked. Where an elastic sling goes slack, the error
-  // estimate of fehlberg78 is blind: at 1e-13 its speeds are wrong by up to 1e-6 m/s.
+  // estimate of fehlberg78 is blind: at 1e-13 its speeds are wrong by up to 1e-5 m/s.
   const char* const other = scene.sling_stiffness == 0 ? "fehlberg78" : "dopri5";
   Solver solver = solver_of(limits.stepper == "vern8" ? other : "vern8", tolerance, limits);
   solver.max_steps = 100'000;

@@ -2,7 +2,6 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
-#include <type_traits>
 
 #include "trebsweep/ode/stepper.hpp"
 #include "trebsweep/swing/swing_by.hpp"
@@ -53,10 +52,7 @@ double speed_in_extended_precision(const Scene& scene, const Design<double>& des
     limits.max_steps = 100'000;
     limits.release = Release::crossing;
     limits.tolerance = tolerance;
-    // See integrate_accurately() for the choice of the stepper.
-    using Stepper =
-        std::conditional_t<E.elastic, Dopri5<long double, E>, Fehlberg78<long double, E>>;
-    const auto outcome = swing_by<Stepper, long double, E>(scene, design, limits);
+    const auto outcome = swing_by<Vern8<long double, E>, long double, E>(scene, design, limits);
     return has_speed(outcome.status) ? static_cast<double>(outcome.speed)
                                      : std::numeric_limits<double>::quiet_NaN();
   });

@@ -6,6 +6,7 @@
 #include "support/catch.hpp"
 #include "support/small_archive.hpp"
 #include "trebsweep/archive/regular_file.hpp"
+#include "trebsweep/archive/verify.hpp"
 
 using namespace trebsweep;
 
@@ -30,6 +31,18 @@ void fill_with_garbage(const std::filesystem::path& path, const std::vector<MapI
       raw << std::string(size, 'x');
     }
   }
+}
+
+/// A file's superblock, which must have version 2. It stores how much of the file is allocated.
+std::string read_superblock(const std::filesystem::path& path) {
+  std::string bytes(48, ' ');
+  std::ifstream(path, std::ios::binary).read(bytes.data(), 48);
+  CHECK(bytes[8] == 2);
+  return bytes;
+}
+
+void write_superblock(const std::filesystem::path& path, const std::string& bytes) {
+  std::fstream(path, std::ios::in | std::ios::out | std::ios::binary) << bytes;
 }
 
 /// Creates a partial file without maps, on one rank.
@@ -103,6 +116,42 @@ TEST_CASE("Arbitrary bytes in chunks that are not done do not affect a resumed s
     const Index3 n = small.lattice.extent();
     CHECK(numbers[(n[0] - 1) * n[1] * n[2]] == value_of({n[0] - 1, 0, 0}));
   }
+}
+
+TEST_CASE("A kill between the index of compressed chunks and the superblock loses no tile") {
+  const SmallLattice small;
+  const std::uint64_t tiles = small.tiling.size(), done = tiles / 2;
+  const auto maps = two_maps(MapType::float64);
+  const TemporaryFile uninterrupted("archive_uninterrupted"), file("archive_old_superblock");
+  {
+    ArchiveWriter archive = create_archive(uninterrupted.path(), small, maps, 4);
+    write_all(archive, small);
+    close(archive, uninterrupted.path());
+  }
+  const auto partial = partial_path(file.path());
+  std::string superblock;
+  {
+    ArchiveWriter archive = create_archive(file.path(), small, maps, 4);
+    write_tiles(archive, small, {0, done});
+    superblock = read_superblock(partial);  // as the checkpoint has left it
+    MPI_Barrier(MPI_COMM_WORLD);
+    write_tiles(archive, small, {done, tiles});
+    archive.close();
+  }
+  mpi::on_root(MPI_COMM_WORLD, [&] {
+    CHECK(superblock != read_superblock(partial));
+    write_superblock(partial, superblock);
+    CHECK(find_damage(partial, maps, small.tiling, {0, done}).empty());
+    CHECK_FALSE(find_damage(partial, maps, small.tiling, {done, tiles}).empty());
+    continue_partial(file.path(), small.tiling, maps, {{done, tiles}}, "second run");
+    CHECK(find_damage(partial, maps, small.tiling, {0, done}).empty());
+  });
+  ArchiveWriter archive(file.path(), maps, MPI_COMM_WORLD);
+  write_tiles(archive, small, {done, tiles});
+  close(archive, file.path());
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  CHECK(find_damage(file.path(), maps, small.tiling, {0, tiles}).empty());
+  CHECK(read_map(file.path(), "tile_checksum") == read_map(uninterrupted.path(), "tile_checksum"));
 }
 
 TEST_CASE("Each run adds a line to the history") {

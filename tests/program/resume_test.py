@@ -178,8 +178,15 @@ class ResumeTest(DirectoryTest):
                     self.assertEqual(partial[name][tuple(tile)].tobytes(),
                                      straight[name][tuple(tile)].tobytes())
             for name, is_fill in (("speed", np.isnan), ("release_time", np.isnan), ("status", np.logical_not)):
-                values = partial[name][...]
-                self.assertTrue((is_fill(values) | (values == straight[name][...])).all(), name)
+                for tile in tiles(straight):
+                    try:
+                        values = partial[name][tile]
+                    except OSError as error:
+                        # A kill within a flush can leave the superblock behind the index of compressed chunks, whose
+                        # newest ones then lie beyond the end of the file that it stores (archive/partial.hpp).
+                        self.assertTrue(options == COMPRESSED and "addr overflow" in str(error), error)
+                        continue
+                    self.assertTrue((is_fill(values) | (values == straight[name][tile])).all(), name)
             return int(done.sum())
 
     def assert_reported_once(self, errors, *words):

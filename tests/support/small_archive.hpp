@@ -51,15 +51,15 @@ inline ArchiveWriter create_archive(const std::filesystem::path& path, const Sma
   return ArchiveWriter(path, maps, MPI_COMM_WORLD);
 }
 
-/// Writes every tile, each rank its own, in rounds; collective.
-inline void write_all(ArchiveWriter& archive, const SmallLattice& small) {
+/// Writes tiles, each rank its own, in rounds; collective.
+inline void write_tiles(ArchiveWriter& archive, const SmallLattice& small, const TileRange& range) {
   const auto& [lattice, tiling] = small;
   const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
   const auto ranks = static_cast<std::uint64_t>(mpi::size(MPI_COMM_WORLD));
-  for (std::uint64_t first = 0; first < tiling.size(); first += ranks) {
+  for (std::uint64_t first = range.first; first < range.end; first += ranks) {
     std::optional<Tile> tile;
     std::vector<std::vector<double>> maps(2);
-    if (first + rank < tiling.size()) {
+    if (first + rank < range.end) {
       tile = tiling.tile(first + rank);
       for (std::size_t a = 0; a < tile->count[0]; ++a)
         for (std::size_t b = 0; b < tile->count[1]; ++b)
@@ -69,13 +69,18 @@ inline void write_all(ArchiveWriter& archive, const SmallLattice& small) {
             maps[1].push_back(lattice.holds(i) ? 2 : 0);
           }
     }
-    const std::uint64_t tiles = std::min(ranks, tiling.size() - first);
+    const std::uint64_t tiles = std::min(ranks, range.end - first);
     std::vector<std::uint64_t> checksums(tiles * maps.size());
     const auto of_tile = archive.write(tile, maps);
     if (tile) std::copy(of_tile.begin(), of_tile.end(), &checksums[rank * maps.size()]);
     mpi::sum_on_root(checksums, MPI_COMM_WORLD);
     archive.checkpoint(first, std::vector<TallyRow>(tiles), checksums);
   }
+}
+
+/// Writes every tile; collective.
+inline void write_all(ArchiveWriter& archive, const SmallLattice& small) {
+  write_tiles(archive, small, {0, small.tiling.size()});
 }
 
 /// Closes the archive and gives it its final name; collective.

@@ -5,6 +5,7 @@
 
 #include "support/archive_reader.hpp"
 #include "support/catch.hpp"
+#include "trebsweep/archive/output_path.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/job/config_file.hpp"
@@ -117,6 +118,21 @@ TEST_CASE("The lane steps of the tiles add up, and each tile has at least its st
   CHECK(lane_steps == summary->lane_steps);
 }
 
+TEST_CASE("A sweep that is stopped while it verifies earlier tiles is not complete") {
+  const TemporaryFile file("stopped_verifying");
+  Job job = coarse_job(file);
+  job.solver.check = false;
+  SweepOptions options = quiet();
+  REQUIRE(sweep(job, options, MPI_COMM_WORLD)->complete);
+  const auto partial = partial_path(file.path());
+  mpi::on_root(MPI_COMM_WORLD, [&] { std::filesystem::rename(file.path(), partial); });
+  options.overwrite = false;
+  options.stop = [] { return root(); };
+  CHECK_FALSE(sweep(job, options, MPI_COMM_WORLD)->complete);
+  options.stop = [] { return false; };
+  CHECK(sweep(job, options, MPI_COMM_WORLD)->complete);
+}
+
 TEST_CASE("A sweep of one design gives the same optimum on any number of ranks") {
   const TemporaryFile file("single");
   Job job = coarse_job(file);
@@ -217,7 +233,7 @@ TEST_CASE("A sweep stopped repeatedly produces bitwise the same maps and the sam
     int calls_left = runs == 0             ? 3
                      : runs == 1 && root() ? calls_while_creating + 5
                      : runs == 1           ? 5
-                                           : 6;
+                                           : 7;
     options.stop = [&] { return calls_left-- <= 0; };
     options.tile_edge = runs < 2 ? edge : Index3{7, 7, 7};  // ignored: the file has its own
     summary = sweep(job, options, MPI_COMM_WORLD);

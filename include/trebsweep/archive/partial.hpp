@@ -18,9 +18,8 @@
 //   creation     <path>.partial.new: axes, maps of fill values, attributes; rename it to
 //                <path>.partial
 //   each round   1. every rank writes its tiles to the maps, collectively
-//                2. rank 0 writes the tallies of the round's tiles to tile_tally and the checksums
-//                of
-//                   the tiles and tallies to tile_checksum
+//                2. rank 0 writes the tallies of the round's tiles to tile_tally, and the checksums
+//                   of tiles and tallies to tile_checksum
 //                3. flush
 //                4. rank 0 marks the round's tiles as done in tile_done
 //                5. flush
@@ -41,6 +40,14 @@
 // flush: without step 3 a tile could be marked whose data cannot be found. Uncompressed chunks are
 // allocated at creation and written in place. Compressed chunks move when they are written, but
 // freed space is never reused, so that an index that is out of date still points to valid chunks.
+//
+// A flush writes the superblock last. A kill before the end of step 3 may thus leave an index that
+// points to new chunks, and a superblock that stores the file's size without them: HDF5 would
+// refuse to read these chunks, and would cut them off when it next writes the file.
+// continue_partial() therefore stores the actual size first. Tiles marked done are not affected:
+// they are marked after the flush of step 3, superblock included, and steps 4 and 5 write in place.
+// A damaged tile that is computed again keeps its mark; if it cannot be read after a kill, it is
+// damaged again.
 //
 // It need not survive a node that loses power. A flush ends with an fsync on every rank and a
 // barrier, so that data precedes its marks on disk as far as the file system honours fsync. But
