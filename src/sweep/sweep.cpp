@@ -54,15 +54,6 @@ void check_kernels(MPI_Comm comm) {
         "their results differ in the last digits; use nodes of one kind");
 }
 
-/// The extent of the tiles of a new archive.
-Index3 choose_tile_edge(const Context& context, double design_seconds) {
-  const Index3 extent = context.lattice.extent();
-  Index3 edge =
-      context.options.tile_edge ? *context.options.tile_edge : tile_edge(extent, design_seconds);
-  for (std::size_t d = 0; d < 3; ++d) edge[d] = std::min(edge[d], extent[d]);
-  return edge;
-}
-
 /// Takes the tiles of an existing partial archive, or chooses those of a new one. For rank 0 only.
 Start find_start(const Context& context, const OutputState& output) {
   Start start;
@@ -71,10 +62,14 @@ Start find_start(const Context& context, const OutputState& output) {
   if (start.resumes) {
     start.tile_edge = output.partial->tile_edge;
     start.tiles_done = output.partial->tiles_done;
+  } else if (context.options.tile_edge) {
+    start.tile_edge = *context.options.tile_edge;
   } else if (!start.complete) {
     start.design_seconds = seconds_per_design(context.job, context.lattice, context.options.stop);
-    start.tile_edge = choose_tile_edge(context, start.design_seconds);
+    start.tile_edge = tile_edge(context.lattice.extent(), start.design_seconds);
   }
+  for (std::size_t d = 0; d < 3; ++d)
+    start.tile_edge[d] = std::min(start.tile_edge[d], context.lattice.extent()[d]);
   return start;
 }
 

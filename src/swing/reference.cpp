@@ -16,7 +16,7 @@ Outcome<Quad, E> swing_at(double tolerance, const Scene& scene, const Design<dou
                           Solver solver) {
   solver.release = Release::crossing;
   solver.tolerance = tolerance;
-  return swing_by<Fehlberg78<Quad, E>, Quad, E>(scene, design, solver);
+  return swing_by<Vern8<Quad, E>, Quad, E>(scene, design, solver);
 }
 
 /// A bound of the error of a result: its distance from the other one, plus rounding to double.

@@ -231,7 +231,7 @@ TEST_CASE("scene_text names the scene files and the keys that differ from their 
 }
 
 TEST_CASE("solver_text names the step or tolerance and the release condition") {
-  CHECK(solver_text(parse("").solver) == "vern8, tolerance 1e-09, release at phi1 = pi");
+  CHECK(solver_text(parse("").solver) == "vern8, tolerance 8e-09, release at phi1 = pi");
   CHECK(solver_text(read("paper.cfg").solver) ==
         "euler, time step 0.01 s, release at the first step with |pi - phi1| < 0.05");
 }

@@ -19,7 +19,7 @@ struct Reference {
   double time_bound;                 ///< s: bound of the error of `release_time`
 };
 
-/// Integrates in quadruple precision by fehlberg78 with two tolerances. The result is that of the
+/// Integrates in quadruple precision by vern8 with two tolerances. The result is that of the
 /// tighter one; the difference bounds its error. The bounds are NaN where the statuses differ. Only
 /// max_time and max_steps of `solver` are used.
 Reference reference(const Scene& scene, const Design<double>& design, const Solver& solver);
