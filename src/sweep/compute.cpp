@@ -185,7 +185,7 @@ std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>
 double seconds_per_design(const Job& job, const Lattice& lattice,
                           const std::function<bool()>& stop) {
   const auto designs = sample(lattice, 128);
-  constexpr std::size_t part_size = 16;  // fills the lanes
+  constexpr std::size_t part_size = 32;  // fills the lanes
   constexpr double enough = 0.05;        // s
   const std::size_t parts = (designs.size() + part_size - 1) / part_size;
   const double start = MPI_Wtime();
