@@ -26,14 +26,14 @@ std::size_t sample_size(const Lattice& lattice, const Job& job) {
   if (job.scene.sling_stiffness > 0) return std::clamp<std::size_t>(designs / 200, 512, 2048);
   // A sweep with a fixed step takes less time, and its errors vary smoothly over the lattice.
   if (!follows_tolerance(job.solver.stepper))
-    return std::clamp<std::size_t>(designs / 640, 160, 1024);
+    return std::clamp<std::size_t>(designs / 800, 128, 1024);
   return std::clamp<std::size_t>(designs / 400, 256, 1024);
 }
 
 /// The number of designs near the one with the largest error that are searched for larger ones.
 std::size_t candidates_around_worst(const Job& job, std::size_t spread) {
   // Where an elastic sling goes slack, single designs have errors far larger than their neighbours.
-  return job.scene.sling_stiffness > 0 ? 16384 : spread / 2;
+  return job.scene.sling_stiffness > 0 ? 16384 : spread / 4;
 }
 
 /// A box around an index that extends a fraction of the lattice to each side.

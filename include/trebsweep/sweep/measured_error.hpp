@@ -30,7 +30,7 @@ struct ErrorSample {
   std::optional<MeasuredError> error;  ///< nothing if no checked design has a speed
 };
 
-/// Measures the error of a complete sweep's speeds on a sample of the lattice: 160 to 2048 designs
+/// Measures the error of a complete sweep's speeds on a sample of the lattice: 128 to 2048 designs
 /// spread evenly; the optimum, its neighbours and the first design of each status; and, twice, 16
 /// designs near the one with the largest error so far: those whose speeds change most with a tenth
 /// of the tolerance or half the step. The accurate speeds are those of integrate_accurately(), and
