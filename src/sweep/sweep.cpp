@@ -91,7 +91,8 @@ RunId resume(const Context& context, const OutputState& output, const std::files
   mpi::on_root(context.comm, [&] {
     if (!damaged.empty())
       fmt::print(stderr,
-                 "warning: of the {} tiles done, these are damaged and computed again: {}\n",
+                 "warning: of the {} tiles done, these are damaged and will be computed again: "
+                 "{}\n",
                  tiles_done, to_text(damaged));
     tally = output.partial->tally(damaged);
     run_id = continue_partial(path, tiling, maps, to_compute, context.history);
@@ -159,8 +160,8 @@ std::vector<std::uint64_t> gather_checksums(
 /// written and flushed, then the tiles are marked done and the marks flushed. A killed run
 /// therefore loses at most the round in progress. Collective; ends early if any rank is stopped.
 /// `design_seconds` is the time to integrate a design, or 0 if it is unknown; `start_time` is
-/// MPI_Wtime() at the start of the sweep. `tally` has the designs of earlier runs
-/// on rank 0, and gains those that this rank computes. Returns whether all tiles were computed.
+/// MPI_Wtime() at the start of the sweep. `tally` has the designs of earlier runs on rank 0, and
+/// gains those that this rank computes. Returns whether all tiles were computed.
 bool run_rounds(const Context& context, const Tiling& tiling, std::vector<TileRange> to_compute,
                 double design_seconds, const RunId& run_id, double start_time,
                 const std::filesystem::path& partial, ArchiveWriter& archive, Tally& tally) {

@@ -156,7 +156,7 @@ class Repairs(DamageTest):
             self.assertTrue(0 < archive.attrs["lane_utilisation"] <= 1)
         self.assertEqual(self.verify("job.h5"), set())
         os.remove(self.path("job.h5"))
-        found = re.search(r"^warning: of the \d+ tiles done, these are damaged and computed again: (.*)$",
+        found = re.search(r"^warning: of the \d+ tiles done, these are damaged and will be computed again: (.*)$",
                           done.stderr, re.MULTILINE)
         return found and found[1]
 
