@@ -9,6 +9,7 @@ import math
 import os
 import random
 import re
+import struct
 import sys
 import unittest
 import zlib
@@ -180,6 +181,24 @@ class Repairs(DamageTest):
             for tile in (2, 3, last):
                 self.flip("job.h5.partial", "speed", tile)
             self.assertEqual(self.repair(compression, ranks=2), f"2 to 3, {last}")
+
+    def test_a_partial_archive_whose_index_lacks_a_tile_is_refused(self):
+        tile = 1
+        with h5py.File(self.path("plain0.h5")) as archive:
+            status = archive["status"]
+            chunks = sorted(status.id.get_chunk_info(i).chunk_offset for i in range(status.id.get_num_chunks()))
+            # The entry of the tile's chunk in the index: size, filters, offset and 0.
+            entry = struct.pack("<II4Q", math.prod(status.chunks), 0, *chunks[tile], 0)
+        for byte in (24, 32):  # in the offset along r2; in what must be 0
+            damaged = bytearray(self.read("plain0.h5"))
+            self.assertEqual(damaged.count(entry), 1)
+            damaged[damaged.index(entry) + byte] ^= 128
+            self.write("job.h5.partial", bytes(damaged))
+            self.assertEqual(self.verify("job.h5.partial"), {("status", tile)})
+            done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
+            self.assertIn(f"damaged: the index of map status lacks tile {tile}", done.stderr)
+            self.assertEqual(self.read("job.h5.partial"), bytes(damaged))
+        os.remove(self.path("job.h5.partial"))
 
     def test_tiles_with_damaged_tallies_are_computed_again(self):
         cases = (("released", -1, "released in a tally is -1"), ("released", np.nan, "released in a tally is nan"),
