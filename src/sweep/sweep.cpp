@@ -100,6 +100,22 @@ RunId resume(const Context& context, const OutputState& output, const std::files
   return mpi::from_root(run_id, context.comm);
 }
 
+/// Verifies all tiles after damaged ones were computed again: where the index of a map is damaged,
+/// they may have been written over others. Returns false if any rank was stopped. Throws
+/// mpi::RootError if a tile is damaged. Collective.
+bool verify_repairs(const Context& context, const std::filesystem::path& partial,
+                    const Tiling& tiling) {
+  Progress progress(0, tiling.size(), progress_style(context), "tiles verified");
+  const auto damaged = damaged_tiles(partial, map_infos(context.job.output), tiling, tiling.size(),
+                                     progress, context.options.stop, context.comm);
+  if (!damaged.empty())
+    throw mpi::RootError(
+        fmt::format("{}: damaged: of its tiles, these are not as they were written: {}; it cannot "
+                    "be continued: remove it, or start again with --overwrite",
+                    partial.string(), to_text(damaged)));
+  return mpi::max(context.options.stop() ? 1 : 0, context.comm) == 0;
+}
+
 /// Creates the partial archive; collective. Returns the id of this run, or nothing if stopped.
 std::optional<RunId> create(const Context& context, const std::filesystem::path& path,
                             const Tiling& tiling, const std::string& replaces) {
@@ -272,6 +288,8 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
     }
   }
   archive.close();
+  const bool repaired = to_compute.front().first < start.tiles_done;
+  if (summary.complete && repaired) summary.complete = verify_repairs(context, partial, tiling);
   if (summary.complete) mpi::on_root(comm, [&] { finish_partial(path, *run_id, output.replaces); });
   return summary;
 }

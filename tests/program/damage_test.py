@@ -182,22 +182,33 @@ class Repairs(DamageTest):
                 self.flip("job.h5.partial", "speed", tile)
             self.assertEqual(self.repair(compression, ranks=2), f"2 to 3, {last}")
 
-    def test_a_partial_archive_whose_index_lacks_a_tile_is_refused(self):
-        tile = 1
+    def flip_in_index(self, tile, byte):
+        """Writes job.h5.partial: plain0.h5 with a bit flipped in the index of status, in a tile's entry."""
         with h5py.File(self.path("plain0.h5")) as archive:
             status = archive["status"]
             chunks = sorted(status.id.get_chunk_info(i).chunk_offset for i in range(status.id.get_num_chunks()))
-            # The entry of the tile's chunk in the index: size, filters, offset and 0.
+            # An entry: size, filters, offset, 0, address.
             entry = struct.pack("<II4Q", math.prod(status.chunks), 0, *chunks[tile], 0)
+        damaged = bytearray(self.read("plain0.h5"))
+        self.assertEqual(damaged.count(entry), 1)
+        damaged[damaged.index(entry) + byte] ^= 128
+        self.write("job.h5.partial", bytes(damaged))
+        self.assertIn(("status", tile), self.verify("job.h5.partial"))
+
+    def test_a_partial_archive_whose_index_lacks_a_tile_is_refused(self):
         for byte in (24, 32):  # in the offset along r2; in what must be 0
-            damaged = bytearray(self.read("plain0.h5"))
-            self.assertEqual(damaged.count(entry), 1)
-            damaged[damaged.index(entry) + byte] ^= 128
-            self.write("job.h5.partial", bytes(damaged))
-            self.assertEqual(self.verify("job.h5.partial"), {("status", tile)})
+            self.flip_in_index(1, byte)
+            damaged = self.read("job.h5.partial")
             done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
-            self.assertIn(f"damaged: the index of map status lacks tile {tile}", done.stderr)
-            self.assertEqual(self.read("job.h5.partial"), bytes(damaged))
+            self.assertIn("damaged: the index of map status lacks tile 1", done.stderr)
+            self.assertEqual(self.read("job.h5.partial"), damaged)
+        os.remove(self.path("job.h5.partial"))
+
+    def test_a_tile_written_over_others_is_found_before_the_archive_gets_its_final_name(self):
+        self.flip_in_index(1, 40)  # in the address
+        done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
+        self.assertIn("these are not as they were written: ", done.stderr)
+        self.assertFalse(os.path.exists(self.path("job.h5")))
         os.remove(self.path("job.h5.partial"))
 
     def test_tiles_with_damaged_tallies_are_computed_again(self):
