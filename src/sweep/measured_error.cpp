@@ -60,16 +60,12 @@ std::vector<Check> check(const Job& job, std::span<const Design<double>> designs
   return checks;
 }
 
+bool is_begun(const Check& check) { return check.accurate_status != Status::outside_lattice; }
+
 /// Whether a design was integrated accurately, whatever the outcome.
 bool is_measured(const Check& check) {
-  switch (check.accurate_status) {
-    case Status::outside_lattice:  // not begun
-    case Status::step_budget:
-    case Status::step_underflow:
-      return false;
-    default:
-      return true;
-  }
+  return is_begun(check) && check.accurate_status != Status::step_budget &&
+         check.accurate_status != Status::step_underflow;
 }
 
 /// Checks designs on all ranks, in parts of at most `part_size`; the designs of parts that are not
@@ -140,18 +136,21 @@ std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
       static_cast<std::size_t>(std::clamp(0.01 / seconds_per_design, 16.0, 512.0));
   ErrorSample sample;
   std::set<Index3> checked;
-  const auto add = [&](const std::vector<Index3>& indices, bool with_slack = false) {
+  const auto add = [&](const std::vector<Index3>& indices, bool with_slack,
+                       const std::function<bool()>& end) {
+    std::set<Index3> left(indices.begin(), indices.end());
+    std::erase_if(left, [&](const Index3& index) { return checked.contains(index); });
     std::vector<Design<double>> designs;
-    for (const Index3& index : indices)
-      if (checked.insert(index).second) designs.push_back(lattice.design(index));
-    for (const Check& c :
-         check_on_all_ranks(job, designs, with_slack, part_size, stop_or_late, comm))
+    for (const Index3& index : left) designs.push_back(lattice.design(index));
+    for (const Check& c : check_on_all_ranks(job, designs, with_slack, part_size, end, comm)) {
+      if (is_begun(c)) checked.insert(lattice.index_of(c.design));
       if (is_measured(c)) sample.checks.push_back(c);
+    }
   };
   const std::size_t spread = sample_size(lattice, job);
-  add(sample_indices(lattice, spread));
+  add(sample_indices(lattice, spread), false, stop_or_late);
   const std::vector<double> even = sorted_errors(sample.checks);
-  add(notable_indices(summary, lattice), true);
+  add(notable_indices(summary, lattice), true, stop);  // few: measured however long they take
   for (const double fraction : {1.0 / 8, 1.0 / 16}) {
     // fmax(NaN, x) is x.
     const auto worst = std::max_element(sample.checks.begin(), sample.checks.end(),
@@ -160,11 +159,10 @@ std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
                                         });
     if (worst == sample.checks.end()) break;
     const Tile box = box_around(lattice.index_of(worst->design), fraction, lattice);
-    add(sample_box(lattice, box, spread / 4));
+    add(sample_box(lattice, box, spread / 4), false, stop_or_late);
   }
   const double at_optimum =
-      summary.optimum ? error_at_optimum(job, *summary.optimum, sample.checks, stop_or_late, comm)
-                      : nan;
+      summary.optimum ? error_at_optimum(job, *summary.optimum, sample.checks, stop, comm) : nan;
   if (mpi::max(stop() ? 1 : 0, comm) > 0) return std::nullopt;
   if (const std::vector<double> all = sorted_errors(sample.checks); !all.empty())
     sample.error = {.median = even.empty() ? nan : even[even.size() / 2],
