@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "trebsweep/base/mpi.hpp"
@@ -27,6 +30,12 @@ std::size_t sample_size(const Lattice& lattice, const Job& job) {
   return std::clamp<std::size_t>(designs / 400, 256, 1024);
 }
 
+/// The number of designs near the one with the largest error that are searched for larger ones.
+std::size_t candidates_around_worst(const Job& job, std::size_t spread) {
+  // Where an elastic sling goes slack, single designs have errors far larger than their neighbours.
+  return job.scene.sling_stiffness > 0 ? 16384 : spread / 2;
+}
+
 /// A box around an index that extends a fraction of the lattice to each side.
 Tile box_around(const Index3& centre, double fraction, const Lattice& lattice) {
   Tile box{};
@@ -38,6 +47,12 @@ Tile box_around(const Index3& centre, double fraction, const Lattice& lattice) {
     box.count[d] = std::min(centre[d] + reach + 1, extent) - box.first[d];
   }
   return box;
+}
+
+std::vector<Design<double>> designs_at(const std::vector<Index3>& indices, const Lattice& lattice) {
+  std::vector<Design<double>> designs;
+  for (const Index3& index : indices) designs.push_back(lattice.design(index));
+  return designs;
 }
 
 /// Integrates designs with the job's solver and accurately. The field slack takes long.
@@ -68,23 +83,61 @@ bool is_measured(const Check& check) {
          check.accurate_status != Status::step_underflow;
 }
 
-/// Checks designs on all ranks, in parts of at most `part_size`; the designs of parts that are not
-/// begun once `stop` is true have the status outside_lattice. Collective.
-std::vector<Check> check_on_all_ranks(const Job& job, const std::vector<Design<double>>& designs,
-                                      bool with_slack, std::size_t part_size,
-                                      const std::function<bool()>& stop, MPI_Comm comm) {
-  const auto ranks = static_cast<std::size_t>(mpi::size(comm));
+/// How the work is shared out: in parts of at most `part_size` designs, none of which is begun once
+/// `stop` is true.
+struct Shares {
+  std::size_t part_size;
+  std::function<bool()> stop;
+  MPI_Comm comm;
+};
+
+/// Returns compute(designs), one result per design, computed in parts on all ranks; the results of
+/// parts that were not begun are zero. Collective.
+template <class F>
+auto on_all_ranks(const std::vector<Design<double>>& designs, const Shares& shares, F compute) {
+  const auto ranks = static_cast<std::size_t>(mpi::size(shares.comm));
   const std::size_t parts =
-      ranks * ((designs.size() + ranks * part_size - 1) / (ranks * part_size));
-  std::vector<Check> checks(designs.size());
-  for (auto p = static_cast<std::size_t>(mpi::rank(comm)); p < parts && !stop(); p += ranks) {
+      ranks * ((designs.size() + ranks * shares.part_size - 1) / (ranks * shares.part_size));
+  decltype(compute(designs)) results(designs.size());
+  for (auto p = static_cast<std::size_t>(mpi::rank(shares.comm)); p < parts && !shares.stop();
+       p += ranks) {
     std::vector<Design<double>> part;  // every parts-th design, so that each part is representative
     for (std::size_t i = p; i < designs.size(); i += parts) part.push_back(designs[i]);
-    const auto checked = check(job, part, with_slack);
-    for (std::size_t k = 0; k < checked.size(); ++k) checks[p + k * parts] = checked[k];
+    const auto computed = compute(part);
+    for (std::size_t k = 0; k < computed.size(); ++k) results[p + k * parts] = computed[k];
   }
-  mpi::merge(std::span(checks), comm);
-  return checks;
+  mpi::merge(std::span(results), shares.comm);
+  return results;
+}
+
+/// How much the speed of each design changes with a finer solver, m/s; 0 without a release.
+std::vector<double> speed_changes(const Job& job, std::span<const Design<double>> designs) {
+  Solver finer = job.solver;
+  finer.tolerance = std::max(finer.tolerance / 10, 1e-15);
+  finer.time_step /= 2;
+  std::vector<SwingResult> coarse(designs.size()), fine(designs.size());
+  integrate(job.scene, job.solver, {designs, coarse});
+  integrate(job.scene, finer, {designs, fine});
+  std::vector<double> changes;
+  for (std::size_t i = 0; i < designs.size(); ++i)
+    changes.push_back(std::fmax(std::abs(coarse[i].speed - fine[i].speed), 0));  // NaN gives 0
+  return changes;
+}
+
+/// The `count` indices whose speeds change most with a finer solver, in descending order.
+/// Collective.
+std::vector<Index3> most_sensitive(const Job& job, const Lattice& lattice,
+                                   const std::vector<Index3>& indices, std::size_t count,
+                                   const Shares& shares) {
+  const auto changes = on_all_ranks(designs_at(indices, lattice), shares,
+                                    [&](const auto& part) { return speed_changes(job, part); });
+  std::vector<std::size_t> order(indices.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return changes[i]; });
+  order.resize(std::min(order.size(), count));
+  std::vector<Index3> chosen;
+  for (const std::size_t i : order) chosen.push_back(indices[i]);
+  return chosen;
 }
 
 /// The indices of the optimum and its neighbours, and of a design of each status.
@@ -134,23 +187,24 @@ std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
       static_cast<double>(std::max<std::uint64_t>(1, summary.designs()));
   const auto part_size =
       static_cast<std::size_t>(std::clamp(0.01 / seconds_per_design, 16.0, 512.0));
+  const Shares hurried{part_size, stop_or_late, comm}, patient{part_size, stop, comm};
   ErrorSample sample;
   std::set<Index3> checked;
-  const auto add = [&](const std::vector<Index3>& indices, bool with_slack,
-                       const std::function<bool()>& end) {
+  const auto add = [&](const std::vector<Index3>& indices, bool with_slack, const Shares& shares) {
     std::set<Index3> left(indices.begin(), indices.end());
     std::erase_if(left, [&](const Index3& index) { return checked.contains(index); });
-    std::vector<Design<double>> designs;
-    for (const Index3& index : left) designs.push_back(lattice.design(index));
-    for (const Check& c : check_on_all_ranks(job, designs, with_slack, part_size, end, comm)) {
+    const auto designs = designs_at({left.begin(), left.end()}, lattice);
+    const auto checks = on_all_ranks(
+        designs, shares, [&](const auto& part) { return check(job, part, with_slack); });
+    for (const Check& c : checks) {
       if (is_begun(c)) checked.insert(lattice.index_of(c.design));
       if (is_measured(c)) sample.checks.push_back(c);
     }
   };
   const std::size_t spread = sample_size(lattice, job);
-  add(sample_indices(lattice, spread), false, stop_or_late);
+  add(sample_indices(lattice, spread), false, hurried);
   const std::vector<double> even = sorted_errors(sample.checks);
-  add(notable_indices(summary, lattice), true, stop);  // few: measured however long they take
+  add(notable_indices(summary, lattice), true, patient);  // few: measured however long they take
   for (const double fraction : {1.0 / 8, 1.0 / 16}) {
     // fmax(NaN, x) is x.
     const auto worst = std::max_element(sample.checks.begin(), sample.checks.end(),
@@ -159,7 +213,9 @@ std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
                                         });
     if (worst == sample.checks.end()) break;
     const Tile box = box_around(lattice.index_of(worst->design), fraction, lattice);
-    add(sample_box(lattice, box, spread / 4), false, stop_or_late);
+    std::vector<Index3> candidates = sample_box(lattice, box, candidates_around_worst(job, spread));
+    std::erase_if(candidates, [&](const Index3& index) { return checked.contains(index); });
+    add(most_sensitive(job, lattice, candidates, 16, hurried), false, hurried);
   }
   const double at_optimum =
       summary.optimum ? error_at_optimum(job, *summary.optimum, sample.checks, stop, comm) : nan;

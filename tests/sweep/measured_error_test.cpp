@@ -56,7 +56,7 @@ Job medium_job() {
 }  // namespace
 
 TEST_CASE("No error on the whole lattice is larger than three times the measured largest one") {
-  std::vector<Job> jobs(6, medium_job());
+  std::vector<Job> jobs(7, medium_job());
   jobs[1].solver = paper_solver();
   jobs[2].solver.stepper = "dopri5";
   jobs[3].scene.pivot_friction = 510;
@@ -64,6 +64,8 @@ TEST_CASE("No error on the whole lattice is larger than three times the measured
   jobs[4].scene.sling_damping = 500;
   jobs[4].scene.sling_mass = 1;
   jobs[5].solver.stepper = "fehlberg78";
+  jobs[6] = jobs[4];
+  jobs[6].lattice.increment = 0.02;  // the largest error is that of a single design
   for (const Job& job : jobs) {
     const Results all = integrate_all(job);
     const auto error = measure(job, all).error;

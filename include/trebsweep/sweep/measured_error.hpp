@@ -31,12 +31,13 @@ struct ErrorSample {
 };
 
 /// Measures the error of a complete sweep's speeds on a sample of the lattice: 160 to 2048 designs
-/// spread evenly; the optimum, its neighbours and the first design of each status; and twice more
-/// designs around the one with the largest error so far. The accurate speeds are those of
-/// integrate_accurately(), and of speed_in_extended_precision() at the optimum. Designs that could
-/// not be integrated accurately are left out. So are those not begun within a second, or 1 % of the
-/// sweep's time if that is longer, except for the optimum, its neighbours and the first design of
-/// each status; otherwise the result depends on the job alone. Collective; the same on all ranks.
+/// spread evenly; the optimum, its neighbours and the first design of each status; and, twice, 16
+/// designs near the one with the largest error so far: those whose speeds change most with a tenth
+/// of the tolerance or half the step. The accurate speeds are those of integrate_accurately(), and
+/// of speed_in_extended_precision() at the optimum. Designs that could not be integrated accurately
+/// are left out. So are those not begun within a second, or 1 % of the sweep's time if that is
+/// longer, except for the optimum, its neighbours and the first design of each status; otherwise
+/// the result depends on the job alone. Collective; the same on all ranks.
 /// Returns nothing once `stop` is true on any rank.
 std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
                                          const Summary& summary, const std::function<bool()>& stop,
