@@ -249,7 +249,7 @@ class OlderFormat(DirectoryTest):
 
     def test_it_is_not_verified(self):
         done = self.run_program("info", "version3.h5", "--verify", code=1)
-        self.assertIn("version3.h5: it has no checksums (format_version 3)", done.stderr)
+        self.assertIn("version3.h5: has no checksums (format_version 3)", done.stderr)
 
     def test_it_is_not_continued(self):
         partial = self.write("job.h5.partial", self.read("version3.h5"))
