@@ -22,6 +22,7 @@ from picture import FORMATS, labelled, plt, save
 STEPPERS = ("euler", "modified_midpoint", "rk4", "cash_karp54", "dopri5", "fehlberg78",
             "vern7", "vern8", "adams_bashforth_moulton", "bulirsch_stoer", "rosenbrock4")
 MARKERS = "os^vD*XphP<>"
+COLORS = [*(f"C{number}" for number in range(10)), "black", "navy"]
 
 
 class Assessment:
@@ -66,7 +67,7 @@ class Assessment:
 
 def style(stepper, number):
     """Colour, marker and label of a stepper."""
-    return {"color": plt.get_cmap("tab10")(number % 10), "marker": MARKERS[number % len(MARKERS)],
+    return {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)],
             "markersize": 5, "linewidth": 1.3, "label": stepper}
 
 

@@ -1,8 +1,12 @@
 #include "trebsweep/archive/map_chunks.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 
+#include "trebsweep/archive/untrusted_file.hpp"
 #include "trebsweep/base/mpi.hpp"
 
 namespace trebsweep {
@@ -28,6 +32,14 @@ std::vector<UnfilledMap> unfilled_maps(hid_t file, const std::vector<MapInfo>& m
       unfilled.push_back({hdf5::open_dataset(file, info.dataset),
                           empty_chunk(map_properties(info, edge, 0), info, edge)});
   return unfilled;
+}
+
+/// Whether HDF5 finds a tile's chunk as it does when writing it. H5Dget_chunk_info_by_coord() finds
+/// chunks that are in the wrong place of the index, too.
+bool is_allocated(hid_t map, const Tile& tile) {
+  const auto first = sizes(tile.first);
+  hsize_t size = 0;
+  return H5Dget_chunk_storage_size(map, first.data(), &size) >= 0 && size > 0;
 }
 
 }  // namespace
@@ -131,6 +143,21 @@ bool fill_uncompressed(const std::filesystem::path& path, const std::vector<MapI
   unfilled.clear();
   mpi::on_all(comm, [&] { file.close("close " + path.string()); });
   return true;
+}
+
+void require_allocated(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
+                       const Tiling& tiling, const std::vector<TileRange>& tiles) {
+  const hdf5::File file = untrusted::open(path);
+  for (const MapInfo& info : maps) {
+    const hdf5::Dataset map = hdf5::open_dataset(file, info.dataset);
+    for (const auto& [first, end] : tiles)
+      for (std::uint64_t t = first; t < end; ++t)
+        if (!is_allocated(map, tiling.tile(t)))
+          throw std::runtime_error(fmt::format(
+              "{}: damaged: the index of map {} lacks tile {}; it cannot be continued: remove it, "
+              "or start again with --overwrite",
+              path.string(), info.dataset, t));
+  }
 }
 
 void reset_edge_chunks(hid_t file, const MapInfo& info, const Tiling& tiling,

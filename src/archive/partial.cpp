@@ -58,6 +58,7 @@ RunId continue_partial(const fs::path& path, const Tiling& tiling, const std::ve
                        const std::vector<TileRange>& to_compute, const std::string& history_line) {
   hdf5::silence();
   const fs::path partial = partial_path(path);
+  require_allocated(partial, maps, tiling, to_compute);
   RunId run_id{};
   write_partial(partial, [&] {
     hdf5::File file(H5Fopen(partial.c_str(), H5F_ACC_RDWR, H5P_DEFAULT),

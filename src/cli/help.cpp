@@ -18,8 +18,8 @@ complete, its name ends in .partial.
 
 To continue an interrupted sweep, run the same command again, on any number of
 ranks; a killed sweep loses only its last few seconds. Tiles that do not match
-their checksums are computed again. SIGINT (Ctrl-C), SIGTERM,
-SIGUSR1 and --time-limit stop a sweep after a checkpoint, with exit code 75.
+their checksums are computed again. SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and
+--time-limit stop a sweep after a checkpoint, with exit code 75.
 
 )";
 

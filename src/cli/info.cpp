@@ -116,8 +116,8 @@ auto read_or_explain(const fs::path& path, F read) {
 /// Throws std::runtime_error if an archive cannot be verified now.
 void require_verifiable(const fs::path& path, const ArchiveContents& contents) {
   if (!contents.has_checksums())
-    throw std::runtime_error(fmt::format("{}: it has no checksums (format_version {})",
-                                         path.string(), contents.format_version));
+    throw std::runtime_error(fmt::format("{}: has no checksums (format_version {})", path.string(),
+                                         contents.format_version));
   if (const auto writer = writer_of(path))
     throw std::runtime_error(fmt::format("{}: being written by {}; it can be verified afterwards",
                                          path.string(), *writer));
@@ -160,6 +160,10 @@ std::string describe_archive(const fs::path& given) {
 
 void verify_archive(const fs::path& given, ProgressStyle style, std::FILE* out) {
   const fs::path path = checked_path(given);
+  const auto header = read_or_explain(path, [&] { return read_archive_header(path); });
+  if (header && !header->is_sweep)
+    throw std::runtime_error(
+        fmt::format("{}: an assessment, which has no checksums", path.string()));
   const auto contents = read_or_explain(path, [&] { return read_contents(path); });
   require_verifiable(path, contents);
   const Job job = parse_job(contents.job, path, {});
@@ -173,9 +177,12 @@ void verify_archive(const fs::path& given, ProgressStyle style, std::FILE* out) 
   for (const auto& [tile, column] : damage)
     fmt::print(out, "damaged   {}, tile {}: {}\n", columns[column], tile,
                extent_text(tiling.tile(tile), contents.axes));
+  if (damage.empty() && !contents.complete() && !is_partial(path))
+    throw std::runtime_error(fmt::format("{}: damaged: only {} of {} tiles are marked done",
+                                         path.string(), contents.tiles_done, contents.tiles));
   if (!damage.empty())
     throw std::runtime_error(fmt::format(
-        "{}: damaged; {}run the command of the sweep again to compute the damaged tiles again",
+        "{}: damaged; {}repeat the command of the sweep to compute the damaged tiles again",
         path.string(),
         is_partial(path) ? "" : fmt::format("rename it to {} and ", partial_path(path).string())));
   fmt::print(out, "verified  {} of {} tiles: every value of {} is as written\n",

@@ -43,6 +43,7 @@ bool is_other_rank() {
 /// Aborts all ranks after a failure of one. Neither MPI nor HDF5 is finalized: HDF5 1.10 crashes
 /// there after a failed write.
 [[noreturn]] void abort_all_ranks(const std::exception& error, const std::string& prefix) {
+  std::fflush(stdout);  // what was printed before the failure
   fmt::print(stderr, "trebsweep: {}{}\n", prefix, error.what());
   MPI_Abort(MPI_COMM_WORLD, 1);
   std::abort();
@@ -82,6 +83,7 @@ int serial_main(int argc, char** argv) {
   try {
     return exit_code(true, [&] { return run_serial(parse_command_line(argc, argv)), 0; });
   } catch (const std::runtime_error& error) {
+    std::fflush(stdout);  // what was printed before the failure
     fmt::print(stderr, "trebsweep: {}\n", error.what());
     return 1;
   }

@@ -75,16 +75,12 @@ std::vector<Check> check(const Job& job, std::span<const Design<double>> designs
   return checks;
 }
 
+bool is_begun(const Check& check) { return check.accurate_status != Status::outside_lattice; }
+
 /// Whether a design was integrated accurately, whatever the outcome.
 bool is_measured(const Check& check) {
-  switch (check.accurate_status) {
-    case Status::outside_lattice:  // not begun
-    case Status::step_budget:
-    case Status::step_underflow:
-      return false;
-    default:
-      return true;
-  }
+  return is_begun(check) && check.accurate_status != Status::step_budget &&
+         check.accurate_status != Status::step_underflow;
 }
 
 /// How the work is shared out: in parts of at most `part_size` designs, none of which is begun once
@@ -191,20 +187,24 @@ std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
       static_cast<double>(std::max<std::uint64_t>(1, summary.designs()));
   const auto part_size =
       static_cast<std::size_t>(std::clamp(0.01 / seconds_per_design, 16.0, 512.0));
-  const Shares shares{part_size, stop_or_late, comm};
+  const Shares hurried{part_size, stop_or_late, comm}, patient{part_size, stop, comm};
   ErrorSample sample;
   std::set<Index3> checked;
-  const auto add = [&](std::vector<Index3> indices, bool with_slack = false) {
-    std::erase_if(indices, [&](const Index3& index) { return !checked.insert(index).second; });
-    const auto checks = on_all_ranks(designs_at(indices, lattice), shares, [&](const auto& part) {
-      return check(job, part, with_slack);
-    });
-    std::ranges::copy_if(checks, std::back_inserter(sample.checks), is_measured);
+  const auto add = [&](const std::vector<Index3>& indices, bool with_slack, const Shares& shares) {
+    std::set<Index3> left(indices.begin(), indices.end());
+    std::erase_if(left, [&](const Index3& index) { return checked.contains(index); });
+    const auto designs = designs_at({left.begin(), left.end()}, lattice);
+    const auto checks = on_all_ranks(
+        designs, shares, [&](const auto& part) { return check(job, part, with_slack); });
+    for (const Check& c : checks) {
+      if (is_begun(c)) checked.insert(lattice.index_of(c.design));
+      if (is_measured(c)) sample.checks.push_back(c);
+    }
   };
   const std::size_t spread = sample_size(lattice, job);
-  add(sample_indices(lattice, spread));
+  add(sample_indices(lattice, spread), false, hurried);
   const std::vector<double> even = sorted_errors(sample.checks);
-  add(notable_indices(summary, lattice), true);
+  add(notable_indices(summary, lattice), true, patient);  // few: measured however long they take
   for (const double fraction : {1.0 / 8, 1.0 / 16}) {
     // fmax(NaN, x) is x.
     const auto worst = std::max_element(sample.checks.begin(), sample.checks.end(),
@@ -215,11 +215,10 @@ std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
     const Tile box = box_around(lattice.index_of(worst->design), fraction, lattice);
     std::vector<Index3> candidates = sample_box(lattice, box, candidates_around_worst(job, spread));
     std::erase_if(candidates, [&](const Index3& index) { return checked.contains(index); });
-    add(most_sensitive(job, lattice, candidates, 16, shares));
+    add(most_sensitive(job, lattice, candidates, 16, hurried), false, hurried);
   }
   const double at_optimum =
-      summary.optimum ? error_at_optimum(job, *summary.optimum, sample.checks, stop_or_late, comm)
-                      : nan;
+      summary.optimum ? error_at_optimum(job, *summary.optimum, sample.checks, stop, comm) : nan;
   if (mpi::max(stop() ? 1 : 0, comm) > 0) return std::nullopt;
   if (const std::vector<double> all = sorted_errors(sample.checks); !all.empty())
     sample.error = {.median = even.empty() ? nan : even[even.size() / 2],

@@ -91,12 +91,29 @@ RunId resume(const Context& context, const OutputState& output, const std::files
   mpi::on_root(context.comm, [&] {
     if (!damaged.empty())
       fmt::print(stderr,
-                 "warning: of the {} tiles done, these are damaged and computed again: {}\n",
+                 "warning: of the {} tiles done, these are damaged and will be computed again: "
+                 "{}\n",
                  tiles_done, to_text(damaged));
     tally = output.partial->tally(damaged);
     run_id = continue_partial(path, tiling, maps, to_compute, context.history);
   });
   return mpi::from_root(run_id, context.comm);
+}
+
+/// Verifies all tiles after damaged ones were computed again: where the index of a map is damaged,
+/// they may have been written over others. Returns false if any rank was stopped. Throws
+/// mpi::RootError if a tile is damaged. Collective.
+bool verify_repairs(const Context& context, const std::filesystem::path& partial,
+                    const Tiling& tiling) {
+  Progress progress(0, tiling.size(), progress_style(context), "tiles verified");
+  const auto damaged = damaged_tiles(partial, map_infos(context.job.output), tiling, tiling.size(),
+                                     progress, context.options.stop, context.comm);
+  if (!damaged.empty())
+    throw mpi::RootError(
+        fmt::format("{}: damaged: of its tiles, these are not as they were written: {}; it cannot "
+                    "be continued: remove it, or start again with --overwrite",
+                    partial.string(), to_text(damaged)));
+  return mpi::max(context.options.stop() ? 1 : 0, context.comm) == 0;
 }
 
 /// Creates the partial archive; collective. Returns the id of this run, or nothing if stopped.
@@ -159,8 +176,8 @@ std::vector<std::uint64_t> gather_checksums(
 /// written and flushed, then the tiles are marked done and the marks flushed. A killed run
 /// therefore loses at most the round in progress. Collective; ends early if any rank is stopped.
 /// `design_seconds` is the time to integrate a design, or 0 if it is unknown; `start_time` is
-/// MPI_Wtime() at the start of the sweep. `tally` has the designs of earlier runs
-/// on rank 0, and gains those that this rank computes. Returns whether all tiles were computed.
+/// MPI_Wtime() at the start of the sweep. `tally` has the designs of earlier runs on rank 0, and
+/// gains those that this rank computes. Returns whether all tiles were computed.
 bool run_rounds(const Context& context, const Tiling& tiling, std::vector<TileRange> to_compute,
                 double design_seconds, const RunId& run_id, double start_time,
                 const std::filesystem::path& partial, ArchiveWriter& archive, Tally& tally) {
@@ -271,6 +288,8 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
     }
   }
   archive.close();
+  const bool repaired = to_compute.front().first < start.tiles_done;
+  if (summary.complete && repaired) summary.complete = verify_repairs(context, partial, tiling);
   if (summary.complete) mpi::on_root(comm, [&] { finish_partial(path, *run_id, output.replaces); });
   return summary;
 }

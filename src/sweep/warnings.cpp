@@ -79,7 +79,8 @@ std::string status_warning(std::span<const Check> checks, const Solver& solver) 
       "a different status when integrated accurately in {} of {} designs checked, such as {}: {} "
       "instead of {}; {}",
       std::count_if(checks.begin(), checks.end(), differs), checks.size(), text_of(first->design),
-      name_of(first->accurate_status), name_of(first->status), advice(solver));
+      name_of(first->accurate_status), name_of(first->status),
+      first->status == Status::step_budget ? "increase solver.max-steps" : advice(solver));
 }
 
 std::string speed_warning(const MeasuredError& error, double best_speed, const Solver& solver) {

@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
   const int rounds = argc > 2 ? std::atoi(argv[2]) : 5;
   const auto designs = spread_designs(std::max<std::size_t>(wanted, 1));
   std::vector<double> truth(designs.size());
-  run_lanes(crossing("fehlberg78", 1e-13), designs, truth);
+  run_lanes(crossing("vern8", 1e-13), designs, truth);
 
   auto list = entries();
   for (int round = 0; round < std::max(rounds, 1); ++round)

@@ -9,6 +9,7 @@ import math
 import os
 import random
 import re
+import struct
 import sys
 import unittest
 import zlib
@@ -156,7 +157,7 @@ class Repairs(DamageTest):
             self.assertTrue(0 < archive.attrs["lane_utilisation"] <= 1)
         self.assertEqual(self.verify("job.h5"), set())
         os.remove(self.path("job.h5"))
-        found = re.search(r"^warning: of the \d+ tiles done, these are damaged and computed again: (.*)$",
+        found = re.search(r"^warning: of the \d+ tiles done, these are damaged and will be computed again: (.*)$",
                           done.stderr, re.MULTILINE)
         return found and found[1]
 
@@ -180,6 +181,35 @@ class Repairs(DamageTest):
             for tile in (2, 3, last):
                 self.flip("job.h5.partial", "speed", tile)
             self.assertEqual(self.repair(compression, ranks=2), f"2 to 3, {last}")
+
+    def flip_in_index(self, tile, byte):
+        """Writes job.h5.partial: plain0.h5 with a bit flipped in the index of status, in a tile's entry."""
+        with h5py.File(self.path("plain0.h5")) as archive:
+            status = archive["status"]
+            chunks = sorted(status.id.get_chunk_info(i).chunk_offset for i in range(status.id.get_num_chunks()))
+            # An entry: size, filters, offset, 0, address.
+            entry = struct.pack("<II4Q", math.prod(status.chunks), 0, *chunks[tile], 0)
+        damaged = bytearray(self.read("plain0.h5"))
+        self.assertEqual(damaged.count(entry), 1)
+        damaged[damaged.index(entry) + byte] ^= 128
+        self.write("job.h5.partial", bytes(damaged))
+        self.assertIn(("status", tile), self.verify("job.h5.partial"))
+
+    def test_a_partial_archive_whose_index_lacks_a_tile_is_refused(self):
+        for byte in (24, 32):  # in the offset along r2; in what must be 0
+            self.flip_in_index(1, byte)
+            damaged = self.read("job.h5.partial")
+            done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
+            self.assertIn("damaged: the index of map status lacks tile 1", done.stderr)
+            self.assertEqual(self.read("job.h5.partial"), damaged)
+        os.remove(self.path("job.h5.partial"))
+
+    def test_a_tile_written_over_others_is_found_before_the_archive_gets_its_final_name(self):
+        self.flip_in_index(1, 40)  # in the address
+        done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
+        self.assertIn("these are not as they were written: ", done.stderr)
+        self.assertFalse(os.path.exists(self.path("job.h5")))
+        os.remove(self.path("job.h5.partial"))
 
     def test_tiles_with_damaged_tallies_are_computed_again(self):
         cases = (("released", -1, "released in a tally is -1"), ("released", np.nan, "released in a tally is nan"),
@@ -219,7 +249,7 @@ class OlderFormat(DirectoryTest):
 
     def test_it_is_not_verified(self):
         done = self.run_program("info", "version3.h5", "--verify", code=1)
-        self.assertIn("version3.h5: it has no checksums (format_version 3)", done.stderr)
+        self.assertIn("version3.h5: has no checksums (format_version 3)", done.stderr)
 
     def test_it_is_not_continued(self):
         partial = self.write("job.h5.partial", self.read("version3.h5"))

@@ -144,6 +144,20 @@ TEST_CASE("Designs that cannot be integrated accurately are left out") {
   CHECK_FALSE(error);
 }
 
+TEST_CASE("The optimum is checked even where the time does not suffice for all of the sample") {
+  Job job;
+  job.scene.sling_stiffness = 1e9;
+  job.scene.sling_damping = 1e6;
+  job.solver.stepper = "dopri5";
+  job.solver.tolerance = 1e-8;
+  job.lattice.increment = 0.1;
+  const Results all = integrate_all(job);
+  const auto [checks, error] = measure(job, all, MPI_COMM_SELF);
+  REQUIRE(error);
+  CHECK(checks.size() < all.designs.size());
+  CHECK_FALSE(std::isnan(error->at_optimum));
+}
+
 TEST_CASE("No error is returned once any rank is stopped") {
   const Job job = medium_job();
   const Lattice lattice(job.scene, job.lattice);

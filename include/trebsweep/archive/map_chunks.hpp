@@ -43,6 +43,12 @@ bool allocate_uncompressed(hid_t map, double fill, const Tiling& tiling, std::ui
 bool fill_uncompressed(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
                        const Tiling& tiling, const ProgressCallback& progress, MPI_Comm comm);
 
+/// Throws std::runtime_error if the index of a map's chunks is damaged so that it lacks one of the
+/// given tiles. A rank that wrote such a tile would allocate the chunk without the other ranks, and
+/// HDF5 would wait forever.
+void require_allocated(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
+                       const Tiling& tiling, const std::vector<TileRange>& tiles);
+
 /// Writes empty chunks for those of the given tiles that are smaller than their chunk, if the map
 /// is compressed. HDF5 reads such a chunk before writing a part of it, and a machine that failed
 /// may have left arbitrary bytes there.

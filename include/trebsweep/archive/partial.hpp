@@ -17,7 +17,7 @@
 //
 //   creation     <path>.partial.new: axes, maps of fill values, attributes; rename it to
 //                <path>.partial
-//   each round   1. every rank writes its tiles to the maps, collectively
+//   each round   1. every rank writes its tiles to the maps
 //                2. rank 0 writes the tallies of the round's tiles to tile_tally, and the checksums
 //                   of tiles and tallies to tile_checksum
 //                3. flush

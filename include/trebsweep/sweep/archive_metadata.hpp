@@ -20,8 +20,8 @@ std::vector<MapInfo> map_infos(const Output& output);
 /// will replace, or empty.
 Attributes root_attributes(const Job& job, const std::string& history, const std::string& replaces);
 
-/// The root attributes that hold the results of a sweep; NaN without an optimum or a
-/// measured error.
+/// The root attributes that hold the results of a sweep. Those of the optimum and of the measured
+/// error are NaN if there is none.
 Attributes result_attributes(const Summary& summary);
 
 }  // namespace trebsweep

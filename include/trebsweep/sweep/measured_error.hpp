@@ -35,8 +35,9 @@ struct ErrorSample {
 /// designs near the one with the largest error so far: those whose speeds change most with a tenth
 /// of the tolerance or half the step. The accurate speeds are those of integrate_accurately(), and
 /// of speed_in_extended_precision() at the optimum. Designs that could not be integrated accurately
-/// are left out, as are those not begun within a second, or 1 % of the sweep's time if that is
-/// longer. Otherwise the result depends on the job alone. Collective; the same on all ranks.
+/// are left out. So are those not begun within a second, or 1 % of the sweep's time if that is
+/// longer, except for the optimum, its neighbours and the first design of each status; otherwise
+/// the result depends on the job alone. Collective; the same on all ranks.
 /// Returns nothing once `stop` is true on any rank.
 std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
                                          const Summary& summary, const std::function<bool()>& stop,

@@ -19,10 +19,10 @@ struct NumberedTile {
 /// `design_seconds` is the time to integrate a design.
 Index3 tile_edge(const Index3& extent, double design_seconds);
 
-/// Assigns tiles to ranks by the longest-processing-time-first rule (LPT): in
-/// order of decreasing size, each to the rank with the fewest designs so far. The slowest rank then
-/// takes at most 4/3 of the shortest possible time (R. L. Graham, SIAM J. Appl. Math. 17, 1969) if
-/// all designs take equally long. The result is the same on every rank.
+/// Assigns tiles to ranks by the longest-processing-time-first rule: in order of decreasing size,
+/// each to the rank with the fewest designs so far. The slowest rank then takes at most 4/3 of the
+/// shortest possible time (R. L. Graham, SIAM J. Appl. Math. 17, 1969) if all designs take equally
+/// long. The result is the same on every rank.
 std::vector<std::vector<NumberedTile>> assign_tiles(const TileRange& range, std::uint64_t ranks,
                                                     const Lattice& lattice, const Tiling& tiling);
 
