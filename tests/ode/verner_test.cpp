@@ -109,11 +109,14 @@ TEST_CASE("The nodes of Verner's pairs are the sums of their rows") {
 }
 
 TEST_CASE("The coefficients in double precision are rounded correctly") {
-  const auto check = [](const Coefficient& c) { CHECK(c.high == c.high + c.low); };
-  for (const auto& row : verner87.a)
-    for (const Coefficient& c : row) check(c);
-  for (std::size_t i = 0; i < 13; ++i) {
-    check(verner87.b[i]);
-    check(verner87.error[i]);
-  }
+  const auto check_all = [](const auto& coefficients) {
+    for (const Coefficient& c : coefficients) CHECK(c.high == c.high + c.low);
+  };
+  const auto check = [&](const auto& tableau) {
+    for (const auto& row : tableau.a) check_all(row);
+    check_all(tableau.b);
+    check_all(tableau.error);
+  };
+  check(verner76);
+  check(verner87);
 }

@@ -108,8 +108,8 @@ void set_direction_rates(const std::array<T, N>& y, std::array<T, N>& rates) {
 // Loops over coordinates are unrolled by a pragma: not every compiler would do so by itself, and
 // otherwise the arrays of packs would be copied through memory.
 
-/// Sets `to` to the instant one step of length h after `from`. An adaptive stepper also sets
-/// `error`, its estimate of the local error; the other steppers do not change it.
+/// Sets `to` to the instant one step of length h after `from`; h must not be zero. An adaptive
+/// stepper also sets `error`, its estimate of the local error; the other steppers do not change it.
 template <class Stepper, class T, Effects E>
 void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& from,
              const std::type_identity_t<T>& h, Instant<T, E>& to, State<T, E>& error) {
