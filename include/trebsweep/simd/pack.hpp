@@ -10,6 +10,9 @@
 
 namespace trebsweep {
 
+// Loops over registers are unrolled by a pragma: not every compiler would do so by itself, and
+// otherwise packs would be copied through memory.
+
 /// A boolean for every lane of a pack: all bits of the lane are set, or none.
 template <std::size_t R>
 struct Mask {
@@ -17,16 +20,19 @@ struct Mask {
 
   [[gnu::always_inline]] friend Mask operator&(const Mask& a, const Mask& b) {
     Mask c;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) c.v[r] = a.v[r] & b.v[r];
     return c;
   }
   [[gnu::always_inline]] friend Mask operator|(const Mask& a, const Mask& b) {
     Mask c;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) c.v[r] = a.v[r] | b.v[r];
     return c;
   }
   [[gnu::always_inline]] friend Mask operator!(const Mask& a) {
     Mask c;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) c.v[r] = ~a.v[r];
     return c;
   }
@@ -46,9 +52,11 @@ struct Pack {
 
   Pack() = default;
   [[gnu::always_inline]] Pack(double x) {
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) v[r] = broadcast(x);
   }
   [[gnu::always_inline]] Pack(const Product<R>& p) {
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) v[r] = p.a.v[r] * p.b.v[r];
   }
 
@@ -59,16 +67,19 @@ struct Pack {
 
   [[gnu::always_inline]] friend Pack operator+(const Pack& a, const Pack& b) {
     Pack c;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) c.v[r] = a.v[r] + b.v[r];
     return c;
   }
   [[gnu::always_inline]] friend Pack operator-(const Pack& a, const Pack& b) {
     Pack c;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) c.v[r] = a.v[r] - b.v[r];
     return c;
   }
   [[gnu::always_inline]] friend Pack operator-(const Pack& a) {
     Pack c;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) c.v[r] = -a.v[r];
     return c;
   }
@@ -77,6 +88,7 @@ struct Pack {
   }
   [[gnu::always_inline]] friend Pack operator/(const Pack& a, const Pack& b) {
     Pack c;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) c.v[r] = a.v[r] / b.v[r];
     return c;
   }
@@ -85,11 +97,13 @@ struct Pack {
 
   [[gnu::always_inline]] friend Mask<R> operator<(const Pack& a, const Pack& b) {
     Mask<R> m;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) m.v[r] = std::bit_cast<Bits>(a.v[r] < b.v[r]);
     return m;
   }
   [[gnu::always_inline]] friend Mask<R> operator<=(const Pack& a, const Pack& b) {
     Mask<R> m;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) m.v[r] = std::bit_cast<Bits>(a.v[r] <= b.v[r]);
     return m;
   }
@@ -104,6 +118,7 @@ struct Product {
 
   [[gnu::always_inline]] friend Pack<R> operator+(const Product& p, const Pack<R>& c) {
     Pack<R> s;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) s.v[r] = fma(p.a.v[r], p.b.v[r], c.v[r]);
     return s;
   }
@@ -118,6 +133,7 @@ struct Product {
   }
   [[gnu::always_inline]] friend Pack<R> operator-(const Pack<R>& c, const Product& p) {
     Pack<R> s;
+#pragma GCC unroll 8
     for (std::size_t r = 0; r < R; ++r) s.v[r] = fma(-p.a.v[r], p.b.v[r], c.v[r]);
     return s;
   }
@@ -143,6 +159,7 @@ template <std::size_t R>
 [[gnu::always_inline]] inline Pack<R> select(const Mask<R>& m, const Pack<R>& yes,
                                              const Pack<R>& no) {
   Pack<R> c;
+#pragma GCC unroll 8
   for (std::size_t r = 0; r < R; ++r) c.v[r] = m.v[r] ? yes.v[r] : no.v[r];
   return c;
 }
@@ -150,6 +167,7 @@ template <std::size_t R>
 template <std::size_t R>
 [[gnu::always_inline]] inline Pack<R> abs(const Pack<R>& a) {
   Pack<R> c;
+#pragma GCC unroll 8
   for (std::size_t r = 0; r < R; ++r) c.v[r] = abs(a.v[r]);
   return c;
 }
@@ -157,6 +175,7 @@ template <std::size_t R>
 template <std::size_t R>
 [[gnu::always_inline]] inline Pack<R> sqrt(const Pack<R>& a) {
   Pack<R> c;
+#pragma GCC unroll 8
   for (std::size_t r = 0; r < R; ++r) c.v[r] = sqrt(a.v[r]);
   return c;
 }
@@ -186,6 +205,7 @@ template <std::size_t R>
            m * fma(m, broadcast(-0.34), broadcast(1.34));
   };
   Pack<R> c;
+#pragma GCC unroll 8
   for (std::size_t r = 0; r < R; ++r) {
     const Register p = (logarithm(a.v[r]) - logarithm(b.v[r])) * broadcast(e);
     const Register shifted = p + broadcast(0x1.8p52);
@@ -201,6 +221,7 @@ template <std::size_t R>
 template <std::size_t R>
 [[gnu::always_inline]] inline std::uint32_t lanes_of(const Mask<R>& m) {
   std::uint32_t bits = 0;
+#pragma GCC unroll 8
   for (std::size_t r = 0; r < R; ++r) bits |= sign_bits(m.v[r]) << (r * register_lanes);
   return bits;
 }
