@@ -93,7 +93,7 @@ fs::path find(const fs::path& given) {
       fmt::format("{}: no such file; give the path of an archive", shortened(given.string())));
 }
 
-/// The path of an existing archive or partial archive. Throws InputError if there is none.
+/// The path of an existing archive or partial archive. Throws InputError if neither exists.
 fs::path checked_path(const fs::path& given) {
   fs::path path = find(given);
   if (const auto kind = irregular_kind(path))

@@ -25,7 +25,7 @@ struct Optimum {
 struct MeasuredError {
   double median;          ///< m/s: of designs spread evenly over the lattice
   double largest;         ///< m/s: of all designs of the sample
-  double at_optimum;      ///< m/s: NaN if there is none, or it could not be measured
+  double at_optimum;      ///< m/s: NaN without an optimum, or if it could not be measured
   std::uint64_t designs;  ///< in the sample
 };
 

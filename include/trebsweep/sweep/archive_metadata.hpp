@@ -21,7 +21,7 @@ std::vector<MapInfo> map_infos(const Output& output);
 Attributes root_attributes(const Job& job, const std::string& history, const std::string& replaces);
 
 /// The root attributes that hold the results of a sweep. Those of the optimum and of the measured
-/// error are NaN if there is none.
+/// error are NaN without an optimum, or if nothing was measured.
 Attributes result_attributes(const Summary& summary);
 
 }  // namespace trebsweep
