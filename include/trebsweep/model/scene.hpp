@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 namespace trebsweep {
@@ -28,6 +29,19 @@ struct Scene {
   double sling_mass = 0;       ///< kg, uniform along the sling
   double sling_stiffness = 0;  ///< N/m: tension per stretch; 0: a rigid sling
   double sling_damping = 0;    ///< N s/m: tension per rate of the stretch
+  // A measured beam, instead of one computed from density and side: all three, or none.
+  std::optional<double> beam_mass;    ///< m2, kg
+  std::optional<double> beam_centre;  ///< r, m: from the fulcrum to the beam's centre of mass,
+                                      ///< positive towards the sling
+  std::optional<double> beam_moment;  ///< Izz, kg m^2: moment of inertia about the fulcrum
+  std::optional<double> start_angle;  ///< phi1(0), rad, instead of release_height
+  double counterweight_hanger = 0;  ///< r4, m: link from arm to counterweight; 0: fixed to the arm
+  bool trough = false;              ///< whether the projectile starts by sliding in a trough
+  double trough_height = 0;         ///< m: of the trough above the ground
+  double projectile_diameter = 0;   ///< m: of a projectile that feels drag in flight; 0: no drag
+  double drag_coefficient = 0.47;   ///< Cd of the projectile; default: that of a sphere
+  double air_density = 1.225;       ///< kg/m^3
+  double wind = 0;                  ///< m/s, horizontal, positive in the direction of the throw
 };
 
 /// Effects that change the form of the equations, selected at compile time. Masses and inertias

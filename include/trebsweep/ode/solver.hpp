@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,12 +13,18 @@ namespace trebsweep {
 
 /// The rule of release: the event that ends a swing.
 enum class Release {
-  crossing,  ///< phi1 = pi for the first time, located by root finding
-  window     ///< the paper's rule: the end of the first step with |pi - phi1| < release_window
+  crossing,  ///< phi1 = release_angle for the first time, located by root finding
+  window,    ///< the paper's rule: the end of the first step with |pi - phi1| < release_window
+  pin,       ///< phi1 - phi2, the angle between the sling and the arm's continuation, falls to
+             ///< pin_angle for the first time after lift-off
+  farthest,  ///< the instant of the largest range from lift-off until the arm turns back, phi1 = 3
+             ///< pi/2, or max_time
+  fastest    ///< the instant of the largest speed within the same interval
 };
 
 /// In the order of Release.
-inline constexpr std::array<std::string_view, 2> release_names{"crossing", "window"};
+inline constexpr std::array<std::string_view, 5> release_names{"crossing", "window", "pin",
+                                                               "farthest", "fastest"};
 
 /// How swings are integrated. With the defaults, the speeds of the paper's lattice are accurate to
 /// 1.5e-8 m/s.
@@ -27,7 +35,9 @@ struct Solver {
   double target_error = 0;        ///< m/s: desired error of the speeds, from which the
                                   ///< tolerance is chosen; 0: not given
   Release release = Release::crossing;
-  double release_window = 0.05;       ///< rad; the paper's value
+  double release_angle = std::numbers::pi;  ///< rad: phi1 of a crossing
+  std::optional<double> pin_angle;          ///< rad: phi1 - phi2 at a release by a pin
+  double release_window = 0.05;             ///< rad; the paper's value
   double max_time = 10;               ///< s: a swing without a release by then is not_released
   std::uint64_t max_steps = 1000000;  ///< per swing, accepted and rejected
   bool check = true;                  ///< whether a sweep measures the error of its speeds
