@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "trebsweep/model/state.hpp"
 
@@ -18,10 +19,16 @@ struct Vector {
   friend T dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y; }
 };
 
+/// The height of the hinge, or of a fixed counterweight, above the fulcrum at the start, m: h - h0,
+/// plus the length of a hanger.
+inline double start_height(const Scene& scene) {
+  return scene.release_height - scene.fulcrum_height + scene.counterweight_hanger;
+}
+
 /// Whether the counterweight's arm reaches the start height: r1 >= |h - h0| (39).
 inline bool start_is_reachable(const Scene& scene, double r1) {
   // Tolerates the rounding of h - h0: an arm of exactly that length starts upright.
-  return r1 * (1 + 1e-12) >= std::abs(scene.release_height - scene.fulcrum_height);
+  return scene.start_angle || r1 * (1 + 1e-12) >= std::abs(start_height(scene));
 }
 
 /// Effective masses of projectile and sling, kg. The velocity of the sling is linear along its
@@ -35,23 +42,51 @@ struct SlingMasses {
   double all, coupling, swinging;  // M, M1, M2
 };
 
-/// The initial state: at rest, with the counterweight at height h (39), and an elastic sling
-/// stretched by the weight it carries. Requires start_is_reachable().
+/// phi1(0), rad (39). Requires start_is_reachable().
+template <class T>
+T start_angle(const Scene& scene, const T& r1) {
+  using std::atan2;
+  using std::sqrt;
+  if (scene.start_angle) return T(*scene.start_angle);
+  const T height = start_height(scene);
+  // arccos(height / r1) without cancellation near the unstable upright equilibrium.
+  const T square = T(r1 - height) * T(r1 + height);
+  return atan2(T(sqrt(select(square > T(0), square, T(0)))), height);
+}
+
+/// The height of the arm's tip above the trough at the start, m.
+template <class T>
+T start_above_trough(const Scene& scene, const Design<T>& design) {
+  return T(scene.fulcrum_height - scene.trough_height) -
+         design.r2 * sin_cos(start_angle(scene, design.r1)).cos;
+}
+
+/// Whether the sling reaches the trough at the start, if there is one.
+inline bool sling_reaches_trough(const Scene& scene, const Design<double>& design) {
+  return !scene.trough || std::abs(start_above_trough(scene, design)) <= design.r3;
+}
+
+/// The initial state: at rest, with the counterweight at height h (39) or the arm at start_angle, a
+/// hanger that hangs down, and a sling at its initial angle, or taut from the arm's tip to the
+/// trough. An elastic sling is stretched by the weight it carries. Requires start_is_reachable()
+/// and sling_reaches_trough().
 template <class T, Effects E = Effects{}>
 State<T, E> start(const Scene& scene, const Design<T>& design) {
   using std::atan2;
   using std::sqrt;
-  const T height = scene.release_height - scene.fulcrum_height;
-  // arccos(height / r1) without cancellation near the unstable upright equilibrium.
-  const T square = T(design.r1 - height) * T(design.r1 + height);
-  const T angle = atan2(T(sqrt(select(square > T(0), square, T(0)))), height);
+  const T zero(0), angle = start_angle(scene, design.r1);
   if constexpr (E.elastic) {
     const double load =
         SlingMasses(scene).coupling * scene.gravity * std::max(0.0, std::cos(scene.sling_angle));
     const T l = design.r3 + T(load / scene.sling_stiffness);
-    return {angle, T(scene.sling_angle), T(0), T(0), l, T(0)};
+    return {angle, T(scene.sling_angle), zero, zero, l, zero};
+  } else if constexpr (E.trough) {
+    const T height = start_above_trough(scene, design);
+    const T square = T(design.r3 - height) * T(design.r3 + height);
+    const T across = sqrt(select(square > zero, square, zero));
+    return {angle, T(-atan2(across, height)), zero, zero};
   } else {
-    return {angle, T(scene.sling_angle), T(0), T(0)};
+    return {angle, T(scene.sling_angle), zero, zero};
   }
 }
 
@@ -69,8 +104,9 @@ struct Loads {
                          ///< be under compression
   T tip_tension;         ///< N: of the sling at the arm's tip
   T axle;                ///< N: force between axle and beam
-  T beam_stress;  ///< Pa: bending stress at the fulcrum, at the surface of the throwing arm; its
-                  ///< sign is that of the bending moment
+  T beam_stress;     ///< Pa: bending stress at the fulcrum, at the surface of the throwing arm; its
+                     ///< sign is that of the bending moment; NaN for a measured beam
+  T hanger_tension;  ///< N: of the hanger; zero without one
 };
 
 /// Positions, velocities, energies and loads of one design in a scene, as functions of the state;
@@ -83,30 +119,37 @@ class Mechanism {
 
   Mechanism(const Scene& scene, const Design<T>& design) : scene_(scene), design_(design) {}
 
-  /// m2, kg (37) (38).
+  /// m2, kg: measured, or (37) (38).
   T beam_mass() const {
+    if (scene_.beam_mass) return T(*scene_.beam_mass);
     return T(scene_.beam_density) * T(scene_.beam_side) * T(scene_.beam_side) *
            T(design_.r1 + design_.r2);
   }
 
-  /// Distance of the beam's centre of mass from the fulcrum, m, positive towards the sling (7).
-  T beam_centre() const { return (design_.r2 - design_.r1) / T(2); }
+  /// Distance of the beam's centre of mass from the fulcrum, m, positive towards the sling:
+  /// measured, or (7).
+  T beam_centre() const {
+    if (scene_.beam_centre) return T(*scene_.beam_centre);
+    return (design_.r2 - design_.r1) / T(2);
+  }
 
-  /// Moment of inertia of counterweight and beam about the fulcrum, kg m^2: m1 r1^2 + Izz (18).
+  /// Moment of inertia of beam and fixed counterweight about the fulcrum, kg m^2: m1 r1^2 + Izz
+  /// (18).
   T inertia() const {
     const auto& [r1, r3, r2] = design_;
     const T m1(scene_.counterweight_mass), side(scene_.beam_side);
     const T m2 = beam_mass(), r = beam_centre(), beam_length = r1 + r2;
-    T sum = m1 * r1 * r1;
+    T sum = E.hanger ? T(0) : T(m1 * r1 * r1);
+    if (scene_.beam_moment) return sum + T(*scene_.beam_moment);
     if (scene_.beam_inertia != BeamInertia::none)
       sum += m2 * beam_length * beam_length / T(12) + m2 * r * r;
     if (scene_.beam_inertia == BeamInertia::prism) sum += m2 * side * side / T(12);
     return sum;
   }
 
-  /// First moment of mass of counterweight and beam about the fulcrum, kg m: m1 r1 - m2 r.
+  /// First moment of mass of beam and fixed counterweight about the fulcrum, kg m: m1 r1 - m2 r.
   T moment() const {
-    const T m1(scene_.counterweight_mass);
+    const T m1(E.hanger ? 0 : scene_.counterweight_mass);
     return m1 * design_.r1 - beam_mass() * beam_centre();
   }
 
@@ -135,17 +178,24 @@ class Mechanism {
       along_tip = along_tip - x[stretching] * sinD;
       swing_squared = swing_squared + x[stretching] * x[stretching];
     }
-    return T(inertia() * x[w1] * x[w1] + T(m.all) * tip * tip +
-             T(2 * m.coupling) * tip * along_tip + T(m.swinging) * swing_squared) /
-           T(2);
+    T twice = T(inertia() * x[w1] * x[w1] + T(m.all) * tip * tip +
+                T(2 * m.coupling) * tip * along_tip + T(m.swinging) * swing_squared);
+    if constexpr (E.hanger) {
+      const Vector<T> v = T(design_.r1 * x[w1]) * turned(arm(x)) +
+                          T(T(-scene_.counterweight_hanger) * x[w3]) * turned(hanger(x));
+      twice += T(scene_.counterweight_mass) * dot(v, v);
+    }
+    return twice / T(2);
   }
 
   /// Gravitational potential energy relative to the fulcrum's height, J: (23) + (24) + (25).
   T potential_energy(const X& x) const {
     const SlingMasses m(scene_);
     const T arms = moment() - T(m.all) * design_.r2;
-    return T(scene_.gravity) *
-           T(arms * sin_cos(x[phi1]).cos - T(m.coupling) * sling_length(x) * sin_cos(x[phi2]).cos);
+    T moments =
+        T(arms * sin_cos(x[phi1]).cos - T(m.coupling) * sling_length(x) * sin_cos(x[phi2]).cos);
+    if constexpr (E.hanger) moments += T(scene_.counterweight_mass) * counterweight(x).y;
+    return T(scene_.gravity) * moments;
   }
 
   /// Kinetic, potential and elastic energy, J.
@@ -181,8 +231,12 @@ class Mechanism {
     return sqrt(T(across * across + along * along));
   }
 
-  /// (1) (2)
-  Vector<T> counterweight(const X& x) const { return design_.r1 * arm(x); }
+  /// (1) (2); below the arm's end with a hanger.
+  Vector<T> counterweight(const X& x) const {
+    const Vector<T> end = design_.r1 * arm(x);
+    if constexpr (E.hanger) return end + T(-scene_.counterweight_hanger) * hanger(x);
+    return end;
+  }
 
   /// The end of the throwing arm, where the sling is attached.
   Vector<T> arm_tip(const X& x) const { return -design_.r2 * arm(x); }
@@ -198,40 +252,46 @@ class Mechanism {
     return v;
   }
 
-  /// Loads by Newton's second law from the accelerations of all masses. The stress 6 M/s^3 is that
-  /// of a uniform square section (flexure formula, Gere and Goodno, Mechanics of Materials) under
-  /// the bending moment M of sling, weight and inertia of the throwing arm at the fulcrum.
-  Loads<T> loads(const X& x, const X& dxdt) const {
+  /// The acceleration of the projectile minus that of a free fall, m/s^2.
+  Vector<T> specific_force(const X& x, const X& dxdt) const {
+    return projectile_force(tip_force(x, dxdt), x, dxdt);
+  }
+
+  /// Loads by Newton's second law from the accelerations of all masses; `normal` is the trough's
+  /// force on the projectile, N. The stress 6 M/s^3 is that of a uniform square section (flexure
+  /// formula, Gere and Goodno, Mechanics of Materials) under the bending moment M of sling, weight
+  /// and inertia of the throwing arm at the fulcrum.
+  Loads<T> loads(const X& x, const X& dxdt, const T& normal = T(0)) const {
     using std::sqrt;
     const auto& [r1, r3, r2] = design_;
-    const T g(scene_.gravity), m3(scene_.projectile_mass), ms(scene_.sling_mass);
-    const Vector<T> up{T(0), g}, a = arm(x), e = sling(x);
-    // Acceleration of a point at unit distance along the counterweight's arm.
-    const Vector<T> turn = dxdt[w1] * turned(a) + T(-x[w1] * x[w1]) * a;
-    const T l = sling_length(x);
-    T along = l * x[w2] * x[w2], across = -l * dxdt[w2];
-    if constexpr (E.elastic) {
-      along = along - dxdt[stretching];
-      across = across - T(2) * x[stretching] * x[w2];
+    const T m1(scene_.counterweight_mass), m3(scene_.projectile_mass), ms(scene_.sling_mass);
+    const Vector<T> up{T(0), T(scene_.gravity)}, a = arm(x), e = sling(x);
+    const Vector<T> turn = turning(x, dxdt);
+    const Vector<T> tip = tip_force(x, dxdt), end = projectile_force(tip, x, dxdt);
+    Vector<T> tension = m3 * end + T(ms / T(2)) * (tip + end);
+    if constexpr (E.trough) tension.y = tension.y - normal;
+    Vector<T> on_counterweight = r1 * turn + up;
+    if constexpr (E.hanger) {
+      const Vector<T> b = hanger(x);
+      const T r4(scene_.counterweight_hanger);
+      on_counterweight =
+          on_counterweight + T(-r4 * dxdt[w3]) * turned(b) + T(r4 * x[w3] * x[w3]) * b;
     }
-    const Vector<T> tip = -r2 * turn + up;  // gravity acts like an upward acceleration
-    const Vector<T> end = tip + along * e + across * turned(e);
-    const Vector<T> tension = m3 * end + T(ms / T(2)) * (tip + end);
-    const Vector<T> axle = T(scene_.counterweight_mass) * (r1 * turn + up) +
-                           beam_mass() * (T(-beam_centre()) * turn + up) + tension;
-    const double side = scene_.beam_side, per_metre = scene_.beam_density * side * side;
-    const double turning = scene_.beam_inertia == BeamInertia::none ? 0 : per_metre / 3;
-    const T bending = T(turning) * r2 * r2 * r2 * dxdt[w1] +
-                      T(per_metre * scene_.gravity / 2) * r2 * r2 * a.x -
-                      r2 * dot(tension, turned(a));
+    const Vector<T> axle =
+        m1 * on_counterweight + beam_mass() * (T(-beam_centre()) * turn + up) + tension;
     Loads<T> loads;
     if constexpr (E.elastic)
       loads.projectile_tension = sling_tension(x);
     else
       loads.projectile_tension = m3 * dot(end, e);
+    if constexpr (E.trough) loads.projectile_tension = loads.projectile_tension - normal * e.y;
     loads.tip_tension = dot(tension, e);
     loads.axle = sqrt(dot(axle, axle));
-    loads.beam_stress = T(6 / (side * side * side)) * bending;
+    loads.beam_stress = beam_stress(a, dxdt[w1], tension);
+    if constexpr (E.hanger)
+      loads.hanger_tension = m1 * dot(on_counterweight, hanger(x));
+    else
+      loads.hanger_tension = T(0);
     return loads;
   }
 
@@ -251,8 +311,49 @@ class Mechanism {
     return {sin, cos};
   }
 
+  /// Unit vector from the counterweight to the hinge.
+  static Vector<T> hanger(const X& x) {
+    const auto [sin, cos] = sin_cos(x[phi3]);
+    return {sin, cos};
+  }
+
   /// Derivative of a unit vector with respect to its angle.
   static Vector<T> turned(const Vector<T>& a) { return {a.y, -a.x}; }
+
+  /// Acceleration of a point at unit distance along the counterweight's arm.
+  static Vector<T> turning(const X& x, const X& dxdt) {
+    const Vector<T> a = arm(x);
+    return dxdt[w1] * turned(a) + T(-x[w1] * x[w1]) * a;
+  }
+
+  /// Acceleration of the arm's tip; gravity acts like an upward acceleration.
+  Vector<T> tip_force(const X& x, const X& dxdt) const {
+    return -design_.r2 * turning(x, dxdt) + Vector<T>{T(0), T(scene_.gravity)};
+  }
+
+  /// The same of the projectile, from that of the tip.
+  Vector<T> projectile_force(const Vector<T>& tip, const X& x, const X& dxdt) const {
+    const T l = sling_length(x);
+    T along = l * x[w2] * x[w2], across = -l * dxdt[w2];
+    if constexpr (E.elastic) {
+      along = along - dxdt[stretching];
+      across = across - T(2) * x[stretching] * x[w2];
+    }
+    const Vector<T> e = sling(x);
+    return tip + along * e + across * turned(e);
+  }
+
+  /// See loads().
+  T beam_stress(const Vector<T>& a, const T& acceleration1, const Vector<T>& tension) const {
+    if (scene_.beam_mass) return T(std::numeric_limits<double>::quiet_NaN());
+    const T& r2 = design_.r2;
+    const double side = scene_.beam_side, per_metre = scene_.beam_density * side * side;
+    const double turning = scene_.beam_inertia == BeamInertia::none ? 0 : per_metre / 3;
+    const T bending = T(turning) * r2 * r2 * r2 * acceleration1 +
+                      T(per_metre * scene_.gravity / 2) * r2 * r2 * a.x -
+                      r2 * dot(tension, turned(a));
+    return T(6 / (side * side * side)) * bending;
+  }
 
   Scene scene_;
   Design<T> design_;

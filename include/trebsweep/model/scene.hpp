@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
+#include <stdexcept>
 #include <string_view>
 
 namespace trebsweep {
@@ -49,25 +51,45 @@ struct Scene {
 struct Effects {
   bool pivot = false;    ///< friction at the fulcrum, viscous and dry
   bool elastic = false;  ///< an elastic sling
+  bool hanger = false;   ///< a counterweight on a hinge
+  bool trough = false;   ///< a projectile that starts in a trough
+
+  friend bool operator==(const Effects&, const Effects&) = default;
 };
 
 inline Effects effects(const Scene& scene) {
-  return {scene.pivot_viscosity > 0 || scene.pivot_friction > 0, scene.sling_stiffness > 0};
+  return {scene.pivot_viscosity > 0 || scene.pivot_friction > 0, scene.sling_stiffness > 0,
+          scene.counterweight_hanger > 0, scene.trough};
 }
+
+/// The combinations of effects that a scene can have: an elastic sling excludes a hanger and a
+/// trough.
+inline constexpr std::array<Effects, 10> all_effects{
+    {{},
+     {.pivot = true},
+     {.elastic = true},
+     {.pivot = true, .elastic = true},
+     {.hanger = true},
+     {.pivot = true, .hanger = true},
+     {.trough = true},
+     {.pivot = true, .trough = true},
+     {.hanger = true, .trough = true},
+     {.pivot = true, .hanger = true, .trough = true}}};
 
 /// Whether a scene has an effect that dissipates energy.
 inline bool is_dissipative(const Scene& scene) {
   return scene.pivot_viscosity > 0 || scene.pivot_friction > 0 || scene.sling_damping > 0;
 }
 
-/// Calls f<Effects>() with the effects of a scene.
-template <class F>
+/// Calls f.operator()<Effects>() with the effects of a scene. Throws std::logic_error if they are
+/// not one of all_effects.
+template <std::size_t I = 0, class F>
 auto with_effects(const Scene& scene, F&& f) {
-  const auto [pivot, elastic] = effects(scene);
-  if (pivot && elastic) return f.template operator()<Effects{true, true}>();
-  if (pivot) return f.template operator()<Effects{true, false}>();
-  if (elastic) return f.template operator()<Effects{false, true}>();
-  return f.template operator()<Effects{}>();
+  if (effects(scene) == all_effects[I]) return f.template operator()<all_effects[I]>();
+  if constexpr (I + 1 < all_effects.size())
+    return with_effects<I + 1>(scene, f);
+  else
+    throw std::logic_error("no equations for this combination of effects");
 }
 
 /// One point of the design space, in metres.

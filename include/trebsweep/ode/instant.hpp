@@ -11,7 +11,7 @@ template <class T, Effects E = Effects{}>
 struct Instant {
   T t;  ///< s
   State<T, E> x;
-  Directions<T> directions;  ///< sines and cosines of the angles in x
+  Directions<T, E> directions;  ///< sines and cosines of the angles in x
   State<T, E> dxdt;
 };
 
@@ -19,7 +19,7 @@ struct Instant {
 template <class T, Effects E>
 Instant<T, E> instant(const Motion<T, E>& motion, const std::type_identity_t<T>& t,
                       const State<T, E>& x) {
-  Instant<T, E> now{t, x, directions(x), {}};
+  Instant<T, E> now{t, x, directions<E>(x), {}};
   motion.rates(now.x, now.directions, now.dxdt);
   return now;
 }

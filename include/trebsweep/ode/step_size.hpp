@@ -39,7 +39,8 @@ template <class T, Effects E>
     return ErrorRatio<T>{select(p < q, q, p), a.allowed * b.allowed};
   };
   ErrorRatio<T> largest = larger(larger(ratio(phi1), ratio(phi2)), larger(ratio(w1), ratio(w2)));
-  if constexpr (E.elastic) largest = larger(largest, larger(ratio(length), ratio(stretching)));
+  if constexpr (coordinates<E> == 6)
+    largest = larger(largest, larger(ratio(length), ratio(stretching)));
   T sum = 0;
 #pragma GCC unroll 8
   for (std::size_t i = 0; i < coordinates<E>; ++i) sum += T(T(to.x[i] + to.dxdt[i]) + error[i]);

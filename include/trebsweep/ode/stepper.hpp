@@ -37,7 +37,7 @@ using FixedStepper = Stepper<State<T, E>, T, State<T, E>, T, odeint::array_algeb
 /// The state of an adaptive stepper: a state and the sines and cosines of its angles. Within a
 /// step, these are integrated with the angles, which is cheaper than computing them in every stage.
 template <class T, Effects E = Effects{}>
-using ExtendedState = std::array<T, coordinates<E> + 4>;
+using ExtendedState = std::array<T, coordinates<E> + direction_count<E>>;
 
 /// An adaptive stepper. Its independent variable is the fraction of the step, so that all lanes
 /// take a step of length one and the coefficients of the method remain scalars.
@@ -96,13 +96,16 @@ std::uint64_t evaluations(const Stepper& stepper, std::uint64_t steps) {
 }
 
 /// Sets the rates of the sines and cosines in an extended state y, from the rates of its angles.
-template <class T, std::size_t N>
-void set_direction_rates(const std::array<T, N>& y, std::array<T, N>& rates) {
-  constexpr std::size_t n = N - 4;
-  rates[n + sin1] = rates[phi1] * y[n + cos1];
-  rates[n + cos1] = T(0) - rates[phi1] * y[n + sin1];
-  rates[n + sin2] = rates[phi2] * y[n + cos2];
-  rates[n + cos2] = T(0) - rates[phi2] * y[n + sin2];
+template <Effects E, class T>
+void set_direction_rates(const ExtendedState<T, E>& y, ExtendedState<T, E>& rates) {
+  constexpr std::size_t n = coordinates<E>;
+  const auto set = [&](std::size_t angle, std::size_t sin, std::size_t cos) {
+    rates[n + sin] = rates[angle] * y[n + cos];
+    rates[n + cos] = T(0) - rates[angle] * y[n + sin];
+  };
+  set(phi1, sin1, cos1);
+  set(phi2, sin2, cos2);
+  if constexpr (E.hanger) set(phi3, sin3, cos3);
 }
 
 // Loops over coordinates are unrolled by a pragma: not every compiler would do so by itself, and
@@ -121,9 +124,10 @@ void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& 
     const Motion<T, E> scaled = motion.in_units_of(h);
     const auto system = [&](const ExtendedState<T, E>& y, ExtendedState<T, E>& rates,
                             const Number&) {
-      scaled.rates(std::span(y).template first<n>(), std::span(y).template last<4>(),
+      scaled.rates(std::span(y).template first<n>(),
+                   std::span(y).template last<direction_count<E>>(),
                    std::span(rates).template first<n>());
-      set_direction_rates(y, rates);
+      set_direction_rates<E>(y, rates);
     };
     const T per_h = T(1) / h;
     const auto unit = [&](std::size_t i) { return is_rate(i) ? h : T(1); };
@@ -135,8 +139,8 @@ void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& 
       start_rates[i] = h * unit(i) * from.dxdt[i];
     }
 #pragma GCC unroll 8
-    for (std::size_t i = 0; i < 4; ++i) start[n + i] = from.directions[i];
-    set_direction_rates(start, start_rates);
+    for (std::size_t i = 0; i < direction_count<E>; ++i) start[n + i] = from.directions[i];
+    set_direction_rates<E>(start, start_rates);
     if constexpr (std::is_same_v<typename Stepper::stepper_category,
                                  odeint::explicit_error_stepper_fsal_tag>) {
       stepper.do_step(system, start, start_rates, Number(0), end, end_rates, Number(1), difference);
@@ -151,10 +155,10 @@ void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& 
       error[i] = per_unit(i) * difference[i];
     }
 #pragma GCC unroll 8
-    for (std::size_t i = 0; i < 4; ++i) to.directions[i] = end[n + i];
+    for (std::size_t i = 0; i < direction_count<E>; ++i) to.directions[i] = end[n + i];
   } else {
     stepper.do_step(std::cref(motion), from.x, from.dxdt, from.t, to.x, h);
-    to.directions = directions(to.x);
+    to.directions = directions<E>(to.x);
     motion.rates(to.x, to.directions, to.dxdt);
   }
 }

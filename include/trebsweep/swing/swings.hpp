@@ -117,7 +117,7 @@ class Swings {
         to.dxdt[i] = select(good, to.dxdt[i], from.dxdt[i]);
       }
 #pragma GCC unroll 8
-      for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t i = 0; i < direction_count<E>; ++i)
         to.directions[i] = select(good, to.directions[i], from.directions[i]);
     }
     if (recording_) {
