@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/ode/advance.hpp"
+#include "trebsweep/ode/any_stepper.hpp"
 #include "trebsweep/swing/swing.hpp"
 
 namespace trebsweep {

@@ -16,7 +16,7 @@ Outcome<Quad, E> swing_at(double tolerance, const Scene& scene, const Design<dou
                           Solver solver) {
   solver.release = Release::crossing;
   solver.tolerance = tolerance;
-  return swing_by<Vern8<Quad, E>, Quad, E>(scene, design, solver);
+  return swing_by<Quad, E>(Vern8<Quad, E>(), scene, design, solver);
 }
 
 /// A bound of the error of a result: its distance from the other one, plus rounding to double.
@@ -52,7 +52,7 @@ double speed_in_extended_precision(const Scene& scene, const Design<double>& des
     limits.max_steps = 100'000;
     limits.release = Release::crossing;
     limits.tolerance = tolerance;
-    const auto outcome = swing_by<Vern8<long double, E>, long double, E>(scene, design, limits);
+    const auto outcome = swing_by<long double, E>(Vern8<long double, E>(), scene, design, limits);
     return has_speed(outcome.status) ? static_cast<double>(outcome.speed)
                                      : std::numeric_limits<double>::quiet_NaN();
   });

@@ -43,7 +43,9 @@ std::vector<Outcome<double>> integrate_all(const Solver& solver) {
     return true;
   };
   const auto done = [&](std::uint64_t number, const Outcome<double>& o) { outcomes[number] = o; };
-  Swings<Stepper, T, Effects{}, decltype(next), decltype(done)>(Scene{}, solver, {}, {}, next, done)
+  auto stepper = make_stepper<Stepper>(solver);
+  Swings<Stepper, T, Effects{}, decltype(next), decltype(done)>(Scene{}, solver, stepper, {}, {},
+                                                                next, done)
       .run();
   return outcomes;
 }

@@ -47,11 +47,4 @@ class AdamsBashforthMoulton {
   std::uint64_t evaluations_ = 0;
 };
 
-template <class T, Effects E>
-void advance(AdamsBashforthMoulton<T, E>& stepper, const Motion<T, E>& motion,
-             const Instant<T, E>& from, const std::type_identity_t<T>& h, Instant<T, E>& to,
-             State<T, E>& error) {
-  stepper.step(motion, from, h, to, error);
-}
-
 }  // namespace trebsweep

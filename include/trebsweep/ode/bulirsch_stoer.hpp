@@ -38,7 +38,8 @@ class BulirschStoer {
 
   /// See advance(). Takes as many steps of its own as necessary; the state is NaN if 1000 do not
   /// suffice.
-  void step(const Motion<T, E>& motion, const Instant<T, E>& from, const T& h, Instant<T, E>& to) {
+  void step(const Motion<T, E>& motion, const Instant<T, E>& from, const T& h, Instant<T, E>& to,
+            State<T, E>& /*error*/) {
     constexpr int most = 1000;
     Base stepper(tolerance_, tolerance_);
     State<T, E> x = from.x;
@@ -71,12 +72,6 @@ Trial<T> try_step(BulirschStoer<T, E>& stepper, const Motion<T, E>& motion,
                   const Instant<T, E>& from, const std::type_identity_t<T>& h, Instant<T, E>& to,
                   double /*tolerance*/) {
   return stepper.try_step(motion, from, h, to);
-}
-
-template <class T, Effects E>
-void advance(BulirschStoer<T, E>& stepper, const Motion<T, E>& motion, const Instant<T, E>& from,
-             const std::type_identity_t<T>& h, Instant<T, E>& to, State<T, E>& /*error*/) {
-  stepper.step(motion, from, h, to);
 }
 
 }  // namespace trebsweep

@@ -76,6 +76,18 @@ inline constexpr bool is_adaptive =
     std::is_base_of_v<odeint::error_stepper_tag, typename Stepper::stepper_category> ||
     is_own_controller<Stepper>;
 
+/// Whether loads within a step are those of the interpolated motion, which is much cheaper than
+/// integrating to each node. Not for implicit steppers, since the forces of a stiff scene amplify
+/// errors of the state, nor for fixed-step methods, whose steps may be inaccurate.
+template <class Stepper>
+bool is_interpolated([[maybe_unused]] const Stepper& stepper) {
+  if constexpr (requires { stepper.is_interpolated(); })
+    return stepper.is_interpolated();
+  else
+    return is_adaptive<Stepper> &&
+           !std::is_same_v<typename Stepper::stepper_category, odeint::error_stepper_tag>;
+}
+
 /// The stepper for a solver; some are constructed with its step or its tolerance.
 template <class Stepper>
 Stepper make_stepper(const Solver& solver) {
@@ -88,6 +100,7 @@ Stepper make_stepper(const Solver& solver) {
 /// Evaluations of the right-hand side in `steps` steps, accepted and rejected.
 template <class Stepper>
 std::uint64_t evaluations(const Stepper& stepper, std::uint64_t steps) {
+  if constexpr (requires { stepper.evaluations(steps); }) return stepper.evaluations(steps);
   if constexpr (requires { stepper.evaluations(); }) return stepper.evaluations();
   if constexpr (requires { Stepper::stage_count; }) return steps * Stepper::stage_count;
   if constexpr (requires { stepper.steps(); }) return steps * (stepper.steps() + 1u);  // midpoint
@@ -108,6 +121,13 @@ void set_direction_rates(const ExtendedState<T, E>& y, ExtendedState<T, E>& rate
   if constexpr (E.hanger) set(phi3, sin3, cos3);
 }
 
+/// Whether a stepper has a member function step() that advance() calls.
+template <class Stepper, class T, Effects E>
+concept HasStep = requires(Stepper& stepper, const Motion<T, E>& motion, Instant<T, E>& at,
+                           const T& h, State<T, E>& error) {
+  stepper.step(motion, at, h, at, error);
+};
+
 // Loops over coordinates are unrolled by a pragma: not every compiler would do so by itself, and
 // otherwise the arrays of packs would be copied through memory.
 
@@ -117,7 +137,9 @@ template <class Stepper, class T, Effects E>
 void advance(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& from,
              const std::type_identity_t<T>& h, Instant<T, E>& to, State<T, E>& error) {
   to.t = from.t + h;
-  if constexpr (is_adaptive<Stepper>) {
+  if constexpr (HasStep<Stepper, T, E>) {
+    stepper.step(motion, from, h, to, error);
+  } else if constexpr (is_adaptive<Stepper>) {
     using Number = typename Lanes<T>::Number;
     constexpr std::size_t n = coordinates<E>;
     // With the time in units of h, no stage has to multiply its rates by h.
@@ -197,10 +219,12 @@ template <class Stepper, std::size_t R, Effects E>
 /// The same for packs, with all of Odeint inlined so that values stay in registers. The
 /// coefficients of a local stepper are constants to the compiler.
 template <class Stepper, std::size_t R, Effects E>
-[[gnu::flatten]] inline void advance(Stepper&, const Motion<Pack<R>, E>& motion,
+[[gnu::flatten]] inline void advance(Stepper& given, const Motion<Pack<R>, E>& motion,
                                      const Instant<Pack<R>, E>& from, const Pack<R>& h,
                                      Instant<Pack<R>, E>& to, State<Pack<R>, E>& error) {
-  if constexpr (is_adaptive<Stepper> && R > 1) {
+  if constexpr (HasStep<Stepper, Pack<R>, E>) {
+    given.step(motion, from, h, to, error);
+  } else if constexpr (is_adaptive<Stepper> && R > 1) {
     for (std::size_t r = 0; r < R; ++r) advance_register<Stepper>(motion, from, h, to, error, r);
   } else {
     Stepper stepper;

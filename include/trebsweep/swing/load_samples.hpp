@@ -10,14 +10,6 @@
 
 namespace trebsweep {
 
-/// Whether loads within a step are those of the interpolated motion, which is much cheaper than
-/// integrating to each node. Not for implicit steppers, since the forces of a stiff scene amplify
-/// errors of the state, nor for fixed-step methods, whose steps may be inaccurate.
-template <class Stepper>
-inline constexpr bool is_interpolated =
-    is_adaptive<Stepper> &&
-    !std::is_same_v<typename Stepper::stepper_category, odeint::error_stepper_tag>;
-
 /// Nodes within a step: those of Gauss-Lobatto quadrature with six nodes, which keep the error of
 /// the interpolating polynomial small.
 inline constexpr std::array<double, 6> load_nodes{

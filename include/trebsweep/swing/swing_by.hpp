@@ -8,10 +8,10 @@
 namespace trebsweep {
 
 /// Integrates one design with a stepper and a number type chosen at compile time; see swing().
-template <class Stepper, class T, Effects E, class Observe = NullObserver>
-Outcome<T, E> swing_by(const Scene& scene, const Design<double>& design, const Solver& solver,
-                       Observe&& observe = {}, std::span<const Field> fields = {},
-                       std::span<double> values = {}) {
+template <class T, Effects E, class Stepper, class Observe = NullObserver>
+Outcome<T, E> swing_by(Stepper&& stepper, const Scene& scene, const Design<double>& design,
+                       const Solver& solver, Observe&& observe = {},
+                       std::span<const Field> fields = {}, std::span<double> values = {}) {
   Outcome<T, E> outcome{};
   bool given = false;
   const auto next = [&](Design<double>& d) {
@@ -19,10 +19,10 @@ Outcome<T, E> swing_by(const Scene& scene, const Design<double>& design, const S
     return !std::exchange(given, true);
   };
   const auto done = [&](std::uint64_t, const Outcome<T, E>& o) { outcome = o; };
-  Swings<Stepper, T, E, decltype(next), decltype(done), Observe&> swings(
-      scene, solver, fields, values, next, done, observe);
+  Swings<std::remove_reference_t<Stepper>, T, E, decltype(next), decltype(done), Observe&> swings(
+      scene, solver, stepper, fields, values, next, done, observe);
   swings.run();
-  outcome.evaluations = evaluations(swings.stepper(), outcome.steps);
+  outcome.evaluations = evaluations(stepper, outcome.steps);
   return outcome;
 }
 

@@ -96,13 +96,11 @@ template <class T>
 /// The number of parts of a step whose loads are interpolated separately. Methods of high order
 /// take long steps, over which one interpolation would miss peaks by more than a relative 1e-5.
 template <class Stepper>
-int parts_of_step([[maybe_unused]] const Stepper& stepper, [[maybe_unused]] double tolerance) {
-  if constexpr (is_own_controller<Stepper>)
-    return 4;  // extrapolation takes the longest steps
-  else if constexpr (is_interpolated<Stepper>)
-    return stepper.order() > 5 && tolerance > 1e-8 ? 2 : 1;
-  else
-    return 1;
+int parts_of_step(const Stepper& stepper, double tolerance) {
+  if constexpr (is_own_controller<Stepper>) return 4;  // extrapolation takes the longest steps
+  if constexpr (is_adaptive<Stepper>)
+    return is_interpolated(stepper) && stepper.order() > 5 && tolerance > 1e-8 ? 2 : 1;
+  return 1;
 }
 
 /// A record extended by the loads over a step from `from` to `to`, of length h.
@@ -114,10 +112,8 @@ SwingRecord<T> record_loads(SwingRecord<T> record, const RecordRequest& request,
   const int parts = parts_of_step(stepper, tolerance);
   const T part = T(1.0 / parts) * h;
   const auto sample = [&](const Instant<T, E>& begin, const Instant<T, E>& end) {
-    if constexpr (is_interpolated<Stepper>)
-      return interpolated_loads(motion, mechanism, begin, end, part);
-    else
-      return integrated_loads(stepper, motion, mechanism, begin, end, part);
+    if (is_interpolated(stepper)) return interpolated_loads(motion, mechanism, begin, end, part);
+    return integrated_loads(stepper, motion, mechanism, begin, end, part);
   };
   Instant<T, E> last = from, next;
   State<T, E> error;

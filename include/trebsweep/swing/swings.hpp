@@ -29,10 +29,11 @@ struct NullObserver {
 template <class Stepper, class T, Effects E, class Next, class Done, class Observe = NullObserver>
 class Swings {
  public:
-  Swings(const Scene& scene, const Solver& solver, std::span<const Field> fields,
+  Swings(const Scene& scene, const Solver& solver, Stepper& stepper, std::span<const Field> fields,
          std::span<double> values, Next next, Done done, Observe observe = {})
       : scene_(scene),
         solver_(solver),
+        stepper_(stepper),
         request_(fields, scene),
         next_(next),
         done_(done),
@@ -47,8 +48,6 @@ class Swings {
     locate_releases();
     return steps_taken_ * lanes;
   }
-
-  const Stepper& stepper() const { return stepper_; }
 
  private:
   using Number = typename Lanes<T>::Number;
@@ -306,12 +305,12 @@ class Swings {
 
   const Scene scene_;
   const Solver solver_;
+  Stepper& stepper_;
   const RecordRequest request_;
   const bool recording_ = request_.any();
   Next next_;
   Done done_;
   Observe observe_;
-  Stepper stepper_ = make_stepper<Stepper>(solver_);
 
   const T max_time_ = Number(solver_.max_time);
   const Number latest_ = latest_time<Number>(solver_);

@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template Work integrate_packs_by<CashKarp54>(const Scene&, const Solver&, const Batch&);
+template PackStepperFactories<true> factories_of<CashKarp54>();
 
 }  // namespace trebsweep

@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template Work integrate_packs_by<Dopri5>(const Scene&, const Solver&, const Batch&);
+template PackStepperFactories<true> factories_of<Dopri5>();
 
 }  // namespace trebsweep

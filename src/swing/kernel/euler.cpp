@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template Work integrate_packs_by<Euler>(const Scene&, const Solver&, const Batch&);
+template PackStepperFactories<false> factories_of<Euler>();
 
 }  // namespace trebsweep

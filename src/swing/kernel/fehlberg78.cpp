@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template Work integrate_packs_by<Fehlberg78>(const Scene&, const Solver&, const Batch&);
+template PackStepperFactories<true> factories_of<Fehlberg78>();
 
 }  // namespace trebsweep

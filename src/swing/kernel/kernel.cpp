@@ -6,15 +6,19 @@
 namespace trebsweep {
 
 // Defined in the source of each stepper.
-extern template Work integrate_packs_by<Euler>(const Scene&, const Solver&, const Batch&);
-extern template Work integrate_packs_by<ModifiedMidpoint>(const Scene&, const Solver&,
-                                                          const Batch&);
-extern template Work integrate_packs_by<RungeKutta4>(const Scene&, const Solver&, const Batch&);
-extern template Work integrate_packs_by<CashKarp54>(const Scene&, const Solver&, const Batch&);
-extern template Work integrate_packs_by<Dopri5>(const Scene&, const Solver&, const Batch&);
-extern template Work integrate_packs_by<Fehlberg78>(const Scene&, const Solver&, const Batch&);
-extern template Work integrate_packs_by<Vern7>(const Scene&, const Solver&, const Batch&);
-extern template Work integrate_packs_by<Vern8>(const Scene&, const Solver&, const Batch&);
+extern template PackStepperFactories<true> factories_of<CashKarp54>();
+extern template PackStepperFactories<true> factories_of<Dopri5>();
+extern template PackStepperFactories<false> factories_of<Euler>();
+extern template PackStepperFactories<true> factories_of<Fehlberg78>();
+extern template PackStepperFactories<false> factories_of<ModifiedMidpoint>();
+extern template PackStepperFactories<false> factories_of<RungeKutta4>();
+extern template PackStepperFactories<true> factories_of<Vern7>();
+extern template PackStepperFactories<true> factories_of<Vern8>();
+// Defined in adaptive.cpp and fixed.cpp.
+extern template Work integrate_packs_with(const PackStepperFactories<true>&, const Scene&,
+                                          const Solver&, const Batch&);
+extern template Work integrate_packs_with(const PackStepperFactories<false>&, const Scene&,
+                                          const Solver&, const Batch&);
 
 [[gnu::visibility("default")]] std::string_view instruction_set() {
   if (!has_fused_multiply_add) return "baseline (2 lanes)";
@@ -32,7 +36,7 @@ extern template Work integrate_packs_by<Vern8>(const Scene&, const Solver&, cons
                                                     const Batch& batch) {
   return with_pack_stepper(
       solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-        return integrate_packs_by<Stepper>(scene, solver, batch);
+        return integrate_packs_with(factories_of<Stepper>(), scene, solver, batch);
       });
 }
 

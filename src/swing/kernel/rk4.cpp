@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template Work integrate_packs_by<RungeKutta4>(const Scene&, const Solver&, const Batch&);
+template PackStepperFactories<false> factories_of<RungeKutta4>();
 
 }  // namespace trebsweep

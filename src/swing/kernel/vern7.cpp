@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template Work integrate_packs_by<Vern7>(const Scene&, const Solver&, const Batch&);
+template PackStepperFactories<true> factories_of<Vern7>();
 
 }  // namespace trebsweep

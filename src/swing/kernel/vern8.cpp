@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template Work integrate_packs_by<Vern8>(const Scene&, const Solver&, const Batch&);
+template PackStepperFactories<true> factories_of<Vern8>();
 
 }  // namespace trebsweep
