@@ -114,8 +114,8 @@ TEST_CASE("The moment of inertia of a measured beam is at least that of a point 
       parse_scene("beam-mass = 2\nbeam-centre = -3\nbeam-moment = 17.99\n"),
       contains("scene.beam-moment = 17.99: must be at least ") && contains("= 18 kg m^2"));
   CHECK_NOTHROW(parse_scene("beam-mass = 2\nbeam-centre = -3\nbeam-moment = 18\n"));
-  // 0.1 * 0.3 * 0.3 is not quite 0.009.
-  CHECK_NOTHROW(parse_scene("beam-mass = 0.1\nbeam-centre = 0.3\nbeam-moment = 0.009\n"));
+  // 3 * 0.1 * 0.1 is not quite 0.03.
+  CHECK_NOTHROW(parse_scene("beam-mass = 3\nbeam-centre = 0.1\nbeam-moment = 0.03\n"));
 }
 
 TEST_CASE("A start angle replaces the height of the counterweight") {
