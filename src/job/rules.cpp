@@ -4,9 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <initializer_list>
 #include <iterator>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -26,24 +26,27 @@ std::vector<std::string_view> steppers_with(bool tolerance) {
   return names;
 }
 
-/// Checks that a measured beam is complete, physically possible and has no other description.
+/// Checks that a measured beam is complete and physically possible.
 void check_beam(const Scene& scene) {
-  const std::array keys{"scene.beam-mass", "scene.beam-centre", "scene.beam-moment"};
-  const std::array is_given{scene.beam_mass.has_value(), scene.beam_centre.has_value(),
-                            scene.beam_moment.has_value()};
-  const auto first = std::find(is_given.begin(), is_given.end(), true);
-  if (first == is_given.end()) return;
-  const auto missing = std::find(is_given.begin(), is_given.end(), false);
-  if (missing != is_given.end())
-    throw InputError(fmt::format("{}: must be given with {}; a measured beam needs all of {}",
-                                 keys[missing - is_given.begin()], keys[first - is_given.begin()],
-                                 fmt::join(keys, ", ")));
+  std::vector<std::string_view> given, missing;
+  const auto sort_in = [&](const char* key, const std::optional<double>& value) {
+    (value ? given : missing).push_back(key);
+  };
+  sort_in("scene.beam-mass", scene.beam_mass);
+  sort_in("scene.beam-centre", scene.beam_centre);
+  sort_in("scene.beam-moment", scene.beam_moment);
+  if (given.empty()) return;
+  if (!missing.empty())
+    throw InputError(
+        fmt::format("{}: must be given with {}: a measured beam has a mass, a centre "
+                    "and a moment of inertia",
+                    fmt::join(missing, ", "), fmt::join(given, ", ")));
   constexpr double rounding = 1e-12;
   const double least = *scene.beam_mass * *scene.beam_centre * *scene.beam_centre;
   if (*scene.beam_moment < least * (1 - rounding))
     refuse_number(
         "scene.beam-moment", *scene.beam_moment,
-        fmt::format("at least beam-mass * beam-centre^2 = {} kg m^2, that of a point", least));
+        fmt::format("at least beam-mass * beam-centre^2 = {} kg m^2, that of a point mass", least));
 }
 
 void check_trough(const Scene& scene) {

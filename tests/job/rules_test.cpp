@@ -80,18 +80,19 @@ TEST_CASE("A sling without stiffness has no damping") {
   CHECK(parse_scene("sling-stiffness = 1e5\nsling-damping = 5\n").scene.sling_damping == 5);
 }
 
-TEST_CASE("The message about an incomplete measured beam names the missing key") {
-  const std::vector<std::string> keys{"beam-mass", "beam-centre", "beam-moment"};
-  for (std::size_t missing = 0; missing < keys.size(); ++missing) {
-    std::string text;
-    for (std::size_t i = 0; i < keys.size(); ++i)
-      if (i != missing) text += keys[i] + " = 1\n";
-    CHECK_THROWS_WITH(parse_scene(text),
-                      contains("scene." + keys[missing] + ": must be given with ") &&
-                          contains("beam-mass, scene.beam-centre, scene.beam-m"));
-    CHECK_THROWS_WITH(parse_scene(keys[missing] + " = 1\n"),
-                      contains(": must be given with scene." + keys[missing]));
-  }
+TEST_CASE("The message about an incomplete measured beam names what is missing and what is given") {
+  CHECK_THROWS_WITH(
+      parse_scene("beam-centre = 1\nbeam-moment = 2\n"),
+      contains("scene.beam-mass: must be given with scene.beam-centre, scene.beam-m"));
+  CHECK_THROWS_WITH(
+      parse_scene("beam-mass = 1\nbeam-moment = 2\n"),
+      contains("scene.beam-centre: must be given with scene.beam-mass, scene.beam-m"));
+  CHECK_THROWS_WITH(
+      parse_scene("beam-mass = 1\nbeam-centre = 0\n"),
+      contains("scene.beam-moment: must be given with scene.beam-mass, scene.beam-c"));
+  CHECK_THROWS_WITH(
+      parse_scene("beam-moment = 2\n"),
+      contains("scene.beam-mass, scene.beam-centre: must be given with scene.beam-moment: "));
   CHECK(parse_scene(beam).scene.beam_moment == 1.85);
 }
 
