@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
+#include <numbers>
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/job/config_file.hpp"
 #include "trebsweep/job/key.hpp"
+#include "trebsweep/job/rules.hpp"
 
 namespace trebsweep {
 namespace {
@@ -65,56 +66,23 @@ void add_missing(Values& higher, const Values& lower) {
   higher.insert(lower.begin(), lower.end());  // keeps existing values
 }
 
-std::vector<std::string_view> steppers_with(bool tolerance) {
-  std::vector<std::string_view> names;
-  std::copy_if(stepper_names.begin(), stepper_names.end(), std::back_inserter(names),
-               [=](std::string_view name) { return follows_tolerance(name) == tolerance; });
-  return names;
-}
-
-/// Whether the job's solver uses a key.
-bool is_used(const std::string& name, const Solver& solver) {
-  const bool adaptive = follows_tolerance(solver.stepper);
-  if (name == "solver.time-step") return !adaptive;
-  if (name == "solver.tolerance" || name == "solver.target-error") return adaptive;
-  if (name == "solver.release-window") return solver.release == Release::window;
-  return true;
-}
-
-/// Throws InputError if a key is given that the solver does not use.
-void check_used(const Values& given, const Solver& solver) {
-  for (const auto& [name, value] : given) {
-    if (is_used(name, solver)) continue;
-    if (name == "solver.release-window")
-      refuse(name, value, "left out unless solver.release is window");
-    const bool adaptive = follows_tolerance(solver.stepper);
-    refuse(name, value,
-           fmt::format("left out: the {} stepper {} does not use it; {} or choose one of {}",
-                       adaptive ? "adaptive" : "fixed-step", solver.stepper,
-                       adaptive ? "give solver.tolerance" : "give solver.time-step",
-                       fmt::join(steppers_with(!adaptive), ", ")));
+/// When a solver releases the projectile, to follow "release".
+std::string release_text(const Solver& solver) {
+  switch (solver.release) {
+    case Release::crossing:
+      return solver.release_angle == std::numbers::pi
+                 ? "at phi1 = pi"
+                 : fmt::format("at phi1 = {}", solver.release_angle);
+    case Release::window:
+      return fmt::format("at the first step with |pi - phi1| < {}", solver.release_window);
+    case Release::pin:
+      return fmt::format("by a pin at {} rad", solver.pin_angle.value());
+    case Release::farthest:
+      return "at the largest range";
+    case Release::fastest:
+      return "at the largest speed";
   }
-}
-
-/// Throws InputError if values contradict each other although each is allowed.
-void check(const Job& job, const Values& given) {
-  const Solver& solver = job.solver;
-  if (follows_tolerance(solver.stepper) && solver.release == Release::window)
-    refuse("solver.release", "window",
-           fmt::format("crossing for the adaptive stepper {}, whose steps may skip the window",
-                       solver.stepper));
-  check_used(given, solver);
-  if (solver.target_error > 0 && given.count("solver.tolerance") > 0)
-    refuse("solver.target-error", fmt::format("{}", solver.target_error),
-           "given without solver.tolerance, which it determines");
-  if (job.scene.sling_damping > 0 && job.scene.sling_stiffness == 0)
-    refuse("scene.sling-damping", fmt::format("{}", job.scene.sling_damping),
-           "0 unless scene.sling-stiffness is above 0: a rigid sling does not stretch");
-  const auto& fields = job.output.fields;
-  if (job.scene.beam_side == 0 &&
-      std::count(fields.begin(), fields.end(), Field::peak_beam_stress) > 0)
-    refuse("output.fields", "peak-beam-stress",
-           "left out if scene.beam-side is 0: the beam then has no cross-section");
+  return "";
 }
 
 }  // namespace
@@ -136,7 +104,7 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
 
   for (const Key& key : job_keys())
     if (const auto value = given.find(key.name); value != given.end()) key.set(job, value->second);
-  check(job, given);
+  check_rules(job, given);
   // Paths in the job file are relative to its directory, paths in options to the working directory.
   const auto resolve = [&](const char* key, std::vector<std::string>& paths) {
     if (overrides.count(key)) return;
@@ -148,13 +116,12 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
 }
 
 std::string to_text(const Job& job, bool with_assessment) {
+  const auto unused = unused_keys(job);
   std::string text, section;
   for (const Key& key : job_keys()) {
     const std::string value = key.get(job);
     if (value.empty() || (key.section() == "assess" && !with_assessment)) continue;
-    if (!is_used(key.name, job.solver)) continue;
-    // With a target error the tolerance is not chosen yet.
-    if (key.name == "solver.tolerance" && job.solver.target_error > 0) continue;
+    if (unused.count(key.name) > 0) continue;
     if (section != key.section()) {
       section = key.section();
       text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section);
@@ -180,11 +147,7 @@ std::string solver_text(const Solver& solver) {
   const std::string setting = follows_tolerance(solver.stepper)
                                   ? fmt::format("tolerance {:.3g}", solver.tolerance)
                                   : fmt::format("time step {} s", solver.time_step);
-  const std::string release =
-      solver.release == Release::crossing
-          ? "release at phi1 = pi"
-          : fmt::format("release at the first step with |pi - phi1| < {}", solver.release_window);
-  return fmt::format("{}, {}, {}", solver.stepper, setting, release);
+  return fmt::format("{}, {}, release {}", solver.stepper, setting, release_text(solver));
 }
 
 }  // namespace trebsweep

@@ -13,6 +13,11 @@ namespace {
 
 constexpr double pi = boost::math::double_constants::pi;
 constexpr double half_pi = boost::math::double_constants::half_pi;
+// 2 pi, rounded up to the digits of messages, so that the bound that they give is allowed.
+constexpr Range turn{physical.low, 6.28318531};
+constexpr Range half_turn{-pi, pi, false};
+constexpr Range lengths{-physical.high, physical.high};
+constexpr Range winds{-1000, 1000};
 constexpr Range tolerances{1e-15, 0.1};
 
 constexpr auto field_names = [] {
@@ -90,20 +95,54 @@ const std::vector<Key>& job_keys() {
       key("scene.sling-damping",
           "damping of an elastic sling: force per rate of elongation, N s/m",
           number(physical_or_zero), &Scene::sling_damping),
+      key("scene.beam-mass",
+          "mass m2 of a measured beam, given with beam-centre and beam-moment instead of "
+          "beam-density, beam-side and beam-inertia, kg",
+          optional_of(number(physical_or_zero)), &Scene::beam_mass),
+      key("scene.beam-centre",
+          "distance from the fulcrum to the measured beam's centre of mass, positive towards the "
+          "sling, m",
+          optional_of(number(lengths)), &Scene::beam_centre),
+      key("scene.beam-moment",
+          "moment of inertia of the measured beam about the fulcrum, kg m^2",
+          optional_of(number(physical_or_zero)), &Scene::beam_moment),
+      key("scene.start-angle",
+          "initial angle phi1 of the counterweight arm, where 0 points straight up, instead of "
+          "release-height, rad",
+          optional_of(number(half_turn)), &Scene::start_angle),
+      key("scene.counterweight-hanger",
+          "length r4 of the hinged link on which the counterweight hangs from its arm, where 0 "
+          "means that it is fixed to the arm, m",
+          number(physical_or_zero), &Scene::counterweight_hanger),
+      key("scene.trough",
+          "whether the projectile starts in a frictionless, horizontal trough under the beam, with "
+          "the sling taut",
+          yes_no(), &Scene::trough),
+      key("scene.trough-height", "height of the trough above the ground, below fulcrum-height, m",
+          number(physical_or_zero), &Scene::trough_height),
+      key("scene.projectile-diameter",
+          "diameter of a projectile that feels drag in flight, where 0 means no drag, m",
+          number(physical_or_zero), &Scene::projectile_diameter),
+      key("scene.drag-coefficient", "drag coefficient of the projectile",
+          number(physical_or_zero), &Scene::drag_coefficient),
+      key("scene.air-density", "density of the air, kg/m^3",
+          number(physical_or_zero), &Scene::air_density),
+      key("scene.wind", "horizontal speed of the wind, positive in the direction of the throw, m/s",
+          number(winds), &Scene::wind),
 
       key("lattice.increment", "spacing dr of the lattice along every axis not given below, m",
           number(physical), &LatticeSpec::increment),
       key("lattice.shortest-sling", "smallest value of r3, m",
           number(physical), &LatticeSpec::shortest_sling),
       key("lattice.r1",
-          "lengths of the counterweight arm, instead of h - h0 < r1 < h0, m",
-          axis_range(), &LatticeSpec::r1),
+          "lengths of the counterweight arm, instead of h - h0 + r4 < r1 < h0 - r4, m",
+          optional_of(axis_range()), &LatticeSpec::r1),
       key("lattice.r3",
           "lengths of the sling, instead of shortest-sling <= r3 < h0, m",
-          axis_range(), &LatticeSpec::r3),
+          optional_of(axis_range()), &LatticeSpec::r3),
       key("lattice.r2",
           "lengths of the throwing arm, instead of 0 < r2 < h0 - r3, m",
-          axis_range(), &LatticeSpec::r2),
+          optional_of(axis_range()), &LatticeSpec::r2),
 
       key("solver.stepper", "stepper (integration method)", choice(stepper_names), &Solver::stepper),
       key("solver.time-step", "step of a fixed-step stepper, s",
@@ -116,10 +155,19 @@ const std::vector<Key>& job_keys() {
           "to meet it on a sample of the designs, m/s",
           optional_number(positive), &Solver::target_error),
       key("solver.release",
-          "release condition. crossing: phi1 = pi, located by root finding. window: the paper's "
-          "rule, the first step with |pi - phi1| < release-window, for fixed-step steppers only",
+          "release condition. crossing: phi1 = release-angle, located by root finding. window: the "
+          "paper's rule, the first step with |pi - phi1| < release-window, for fixed-step steppers "
+          "only. pin: the sling slips off its pin, where phi1 - phi2 first falls to pin-angle after "
+          "lift-off from the trough, if there is one. farthest: the instant of the largest range "
+          "from lift-off until the arm turns back, phi1 = 3 pi/2, or max-time. fastest: the instant "
+          "of the largest speed within the same interval",
           choice<Release>(release_names), &Solver::release),
-      key("solver.release-window", "half width of the release window, rad",
+      key("solver.release-angle", "angle phi1 of release = crossing, rad",
+          number(turn), &Solver::release_angle),
+      key("solver.pin-angle",
+          "angle phi1 - phi2, between the sling and the arm's continuation, of release = pin, rad",
+          optional_of(number(half_turn)), &Solver::pin_angle),
+      key("solver.release-window", "half width of the window of release = window, rad",
           number(Range{0, half_pi, false}), &Solver::release_window),
       key("solver.max-time",
           "time after which a swing without a release ends with status not_released, s",

@@ -71,12 +71,12 @@ KeyKind<double> optional_number(const Range& range) {
   return kind;
 }
 
-KeyKind<std::optional<AxisRange>> axis_range() {
+KeyKind<AxisRange> axis_range() {
   return {"RANGE", "first:last:step, including both ends, or a single value", to_axis,
-          [](const std::optional<AxisRange>& axis) -> std::string {
-            if (!axis) return "";
-            if (axis->first == axis->last) return fmt::format("{}", axis->first);
-            return fmt::format("{}:{}:{}", axis->first, axis->last, axis->step);
+          [](const AxisRange& axis) {
+            return axis.first == axis.last
+                       ? fmt::format("{}", axis.first)
+                       : fmt::format("{}:{}:{}", axis.first, axis.last, axis.step);
           }};
 }
 

@@ -66,18 +66,22 @@ std::vector<double> values(const AxisPlan& plan) {
 
 AxisPlan plan_r1(const Scene& scene, const LatticeSpec& spec) {
   if (spec.r1) return explicit_axis(*spec.r1);
-  const double h0 = scene.fulcrum_height;
-  const double lowest = std::max(0.0, scene.release_height - h0);
-  const AxisPlan r1 = open_interval(lowest, h0, spec.increment);
+  const ArmBounds bounds = arm_bounds(scene);
+  const AxisPlan r1 = open_interval(bounds.low, bounds.high, spec.increment);
   if (r1.count >= 1) return r1;
-  const bool too_high = lowest >= h0;
-  refuse_empty(too_high ? "scene.release-height" : "lattice.increment",
-               too_high ? scene.release_height : spec.increment,
-               fmt::format("r1 must be longer than h - h0 = {:.6g} m and shorter than h0 = {:.6g} "
-                           "m (47), in steps of {} m; {} or give lattice.r1",
-                           lowest, h0, spec.increment,
-                           too_high ? fmt::format("choose a height below {:.6g} m", 2 * h0)
-                                    : std::string("choose a smaller step")));
+  const std::string allowed = fmt::format(
+      "r1 must be longer than {} m and shorter than {} = {:.6g} m (47), in steps of {} m",
+      bounds.low > 0 ? fmt::format("{} = {:.6g}", bounds.low_text, bounds.low) : "0",
+      bounds.high_text, bounds.high, spec.increment);
+  if (bounds.high <= 0)
+    refuse_empty("scene.counterweight-hanger", scene.counterweight_hanger,
+                 allowed + "; choose a shorter hanger or give lattice.r1");
+  if (bounds.low >= bounds.high)
+    refuse_empty("scene.release-height", scene.release_height,
+                 fmt::format("{}; choose a height below {:.6g} m or give lattice.r1", allowed,
+                             2 * bounds.high));
+  refuse_empty("lattice.increment", spec.increment,
+               allowed + "; choose a smaller step or give lattice.r1");
 }
 
 AxisPlan plan_r3(const Scene& scene, const LatticeSpec& spec) {
@@ -130,6 +134,13 @@ void check_size(const std::array<AxisPlan, 3>& plans, const LatticeSpec& spec) {
 }
 
 }  // namespace
+
+ArmBounds arm_bounds(const Scene& scene) {
+  const double h0 = scene.fulcrum_height, r4 = scene.counterweight_hanger;
+  const double rise = scene.start_angle ? 0 : std::max(0.0, scene.release_height - h0 + r4);
+  const char* const risen = r4 > 0 ? "h - h0 + r4" : "h - h0";
+  return {rise, h0 - r4, rise > 0 ? risen : "0", r4 > 0 ? "h0 - r4" : "h0"};
+}
 
 Lattice::Lattice(const Scene& scene, const LatticeSpec& spec) {
   const AxisPlan r1 = plan_r1(scene, spec), r3 = plan_r3(scene, spec);

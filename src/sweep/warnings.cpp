@@ -22,13 +22,13 @@ std::vector<std::string> bounds_at(const Index3& index, const Job& job, const La
   struct Axis {
     const char* name;
     const std::optional<AxisRange>& range;  ///< from the job
-    const char *lower, *upper;              ///< bounds of an axis without a range
+    std::string lower, upper;               ///< bounds of an axis without a range
     std::size_t count;
   };
   const LatticeSpec& spec = job.lattice;
-  const bool is_raised = job.scene.release_height > job.scene.fulcrum_height;
+  const ArmBounds r1 = arm_bounds(job.scene);
   const std::array<Axis, 3> axes{
-      {{"r1", spec.r1, is_raised ? "h - h0 < r1 (47)" : "0 < r1", "r1 < h0 (47)",
+      {{"r1", spec.r1, r1.low_text + " < r1 (47)", "r1 < " + r1.high_text + " (47)",
         lattice.extent()[0]},
        {"r3", spec.r3, "lattice.shortest-sling", "r3 < h0 (48)", lattice.extent()[1]},
        {"r2", spec.r2, "0 < r2 (49)", "r2 < h0 - r3 (49)", lattice.row_length(index[1])}}};

@@ -62,6 +62,24 @@ TEST_CASE("Values out of range are refused") {
       {"scene.pivot-viscosity", "-1"},
       {"scene.pivot-friction", "-0.1"},
       {"scene.sling-mass", "-2"},
+      {"scene.beam-mass", "-1"},
+      {"scene.beam-centre", "1.1e12"},
+      {"scene.beam-moment", "-1"},
+      {"scene.start-angle", "3.15"},
+      {"scene.start-angle", "-3.15"},
+      {"scene.counterweight-hanger", "-0.1"},
+      {"scene.trough", "true"},
+      {"scene.trough-height", "-0.1"},
+      {"scene.projectile-diameter", "-0.1"},
+      {"scene.drag-coefficient", "-0.47"},
+      {"scene.air-density", "-1"},
+      {"scene.wind", "1001"},
+      {"scene.wind", "-1001"},
+      {"solver.release", "hook"},
+      {"solver.release-angle", "0"},
+      {"solver.release-angle", "6.2832"},
+      {"solver.pin-angle", "3.15"},
+      {"solver.pin-angle", "-3.15"},
       {"solver.target-error", "0"},
       {"assess.steppers", "leapfrog"},
       {"assess.tolerances", "1"},
@@ -71,7 +89,8 @@ TEST_CASE("Values out of range are refused") {
       {"assess.lattice-seconds", "-1"},
   };
   for (const auto& [key, value] : bad)
-    CHECK_THROWS_WITH(parse("", {{key, value}}), contains(key + " = " + value + ": must be "));
+    CHECK_THROWS_WITH(parse("", {{key, value}}),
+                      contains(key + " = " + value + ": must be ") && !contains("left out"));
 }
 
 TEST_CASE("The message about an invalid word of a list names that word only") {
@@ -86,4 +105,12 @@ TEST_CASE("The message about an invalid word of a list names that word only") {
 TEST_CASE("A message quotes at most 200 characters of a value") {
   CHECK_THROWS_WITH(parse("", {{"scene.gravity", std::string(201, '9')}}),
                     contains(std::string(200, '9') + "...: must be"));
+}
+
+TEST_CASE("The bounds in the message about an angle are allowed values") {
+  CHECK_THROWS_WITH(parse("", {{"solver.release-angle", "7"}}), contains("to 6.28318531"));
+  CHECK_NOTHROW(parse("", {{"solver.release-angle", "6.28318531"}}));
+  CHECK_NOTHROW(parse("", {{"solver.release-angle", "6.283185307179586"}}));
+  CHECK_THROWS_WITH(parse("", {{"scene.sling-angle", "4"}}), contains("to 3.14159265"));
+  CHECK_NOTHROW(parse("", {{"scene.sling-angle", "3.14159265"}}));
 }

@@ -97,6 +97,47 @@ TEST_CASE("The message about a lattice without designs names key and value") {
   CHECK_THROWS_WITH(Lattice(Scene{}, sling), contains("lattice.r3 = 2"));
 }
 
+TEST_CASE("A counterweight on a hanger starts at its height and clears the ground") {
+  Scene scene;  // h = 2 m, h0 = 1.5 m
+  scene.counterweight_hanger = 0.3;
+  const Lattice lattice(scene, {});
+  CHECK(lattice.axes()[0].front() == 0.81);  // h - h0 + r4 = 0.8 m
+  CHECK(lattice.axes()[0].back() == 1.19);   // h0 - r4 = 1.2 m
+  CHECK(lattice.axes()[1] == Lattice(Scene{}, {}).axes()[1]);
+  CHECK(lattice.axes()[2] == Lattice(Scene{}, {}).axes()[2]);
+  scene.release_height = 1;  // below the fulcrum
+  CHECK(Lattice(scene, {}).axes()[0].front() == 0.01);
+}
+
+TEST_CASE("With a start angle r1 has no lower bound but 0") {
+  Scene scene;
+  scene.start_angle = 0.9;
+  CHECK(Lattice(scene, {}).axes()[0].front() == 0.01);
+  CHECK(Lattice(scene, {}).axes()[0].back() == 1.49);
+  scene.counterweight_hanger = 0.5;
+  CHECK(Lattice(scene, {}).axes()[0].front() == 0.01);
+  CHECK(Lattice(scene, {}).axes()[0].back() == 0.99);
+}
+
+TEST_CASE("The message about a hanger that leaves no design names the key to change") {
+  Scene scene;
+  scene.counterweight_hanger = 0.6;
+  CHECK_THROWS_WITH(
+      Lattice(scene, {}),
+      contains(
+          "scene.release-height = 2 leaves no design: r1 must be longer than h - h0 + r4 = 1.1 "
+          "m and shorter than h0 - r4 = 0.9 m (47)") &&
+          contains("choose a height below 1.8 m"));
+  scene.release_height = 1.75;
+  CHECK(Lattice(scene, {}).designs() > 0);
+  scene.counterweight_hanger = 1.5;
+  CHECK_THROWS_WITH(Lattice(scene, {}),
+                    contains("scene.counterweight-hanger = 1.5 leaves no design") &&
+                        contains("shorter than h0 - r4 = 0 m (47)"));
+  scene.start_angle = 0.9;
+  CHECK_THROWS_WITH(Lattice(scene, {}), contains("r1 must be longer than 0 m"));
+}
+
 TEST_CASE("A lattice that is too large is refused, with its size, before it is stored") {
   CHECK_THROWS_WITH(Lattice(Scene{}, with_increment(1e-9)),
                     contains("lattice.increment = 1e-09") && contains("cells"));

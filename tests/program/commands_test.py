@@ -230,6 +230,18 @@ class AccurateByDefault(CommandTest):
         self.assert_refused(["sweep", paper, "--solver.tolerance", "1e-9"],
                             "solver.tolerance = 1e-9: must be left out", "solver.time-step")
         self.assert_refused(["sweep", paper, "--solver.stepper", "dopri5"], "solver.release = window")
+        self.assert_refused(["sweep", self.job, "--solver.pin-angle", "0.6"],
+                            "solver.pin-angle = 0.6: must be left out unless solver.release is pin")
+
+    def test_keys_that_the_scene_does_not_use_are_refused(self):
+        for used, unused, why in [
+                (["start-angle=0.9"], "release-height = 2", "with scene.start-angle"),
+                (["trough=yes"], "sling-angle = -1", "with scene.trough = yes"),
+                (["beam-mass=5", "beam-centre=0.4", "beam-moment=2"], "beam-side = 0.1", "with scene.beam-mass"),
+                ([], "wind = 3", "unless scene.projectile-diameter is above 0")]:
+            with self.subTest(unused=unused):
+                options = [f"--scene.{value}" for value in [*used, unused.replace(" = ", "=")]]
+                self.assert_refused(["sweep", self.job, *options], f"scene.{unused}: must be left out {why}")
 
 
 class Scale(CommandTest):

@@ -27,19 +27,42 @@ def scene_keys():
     """Values that are physically impossible, for each key."""
     masses = ["gravity", "counterweight-mass", "projectile-mass", "release-height", "fulcrum-height"]
     others = ["beam-density", "beam-side", "pivot-viscosity", "pivot-friction", "sling-mass", "sling-stiffness",
-              "sling-damping"]
+              "sling-damping", "beam-mass", "beam-moment", "counterweight-hanger", "trough-height",
+              "projectile-diameter", "drag-coefficient", "air-density"]
     for key in masses + others:
         for value in NO_NUMBERS[:8] + MAGNITUDES + (["0"] if key in masses else []):
             yield ["trace", "job.cfg", *DESIGN, f"--scene.{key}={value}"], 2
     for value in [*NO_NUMBERS, "4", "-3.2"]:
         yield ["trace", "job.cfg", *DESIGN, f"--scene.sling-angle={value}"], 2
+    for key in ["beam-centre", "start-angle", "wind"]:
+        for value in [*NO_NUMBERS, "1.1e12", "-1.1e12"]:
+            yield ["trace", "job.cfg", *DESIGN, f"--scene.{key}={value}"], 2
+    for value in ["", "true", "Yes", "yes,no", "1"]:
+        yield ["trace", "job.cfg", *DESIGN, f"--scene.trough={value}"], 2
     for value in ["", "Prism", "rod", "slender,prism"]:
         yield ["trace", "job.cfg", *DESIGN, f"--scene.beam-inertia={value}"], 2
     yield ["trace", "job.cfg", *DESIGN, "--scene.sling-damping", "5"], 2
+    yield from contradicting_scene_keys()
     for key in masses:
         yield ["trace", "job.cfg", *DESIGN, f"--scene.{key}", " +1.6 "], 0
     for value in ["1e12", "1e-12"]:
         yield ["trace", "job.cfg", *DESIGN, "--scene.projectile-mass", value], 0
+
+
+def contradicting_scene_keys():
+    """Scenes whose keys exclude or require each other."""
+    beam = {"beam-mass": "5", "beam-centre": "0.4", "beam-moment": "2"}
+    trough = {"trough": "yes"}
+    for scene in [*({key: beam[key] for key in beam if key != missing} for missing in beam),
+                  {**beam, "beam-density": "700"}, {**beam, "beam-side": "0.1"}, {**beam, "beam-inertia": "prism"},
+                  {**beam, "beam-moment": "0.79"},
+                  {"start-angle": "0.9", "release-height": "2"},
+                  {"trough-height": "0.1"}, {**trough, "sling-angle": "-1"}, {**trough, "trough-height": "1.5"},
+                  {"wind": "3"}, {"drag-coefficient": "0.5"}, {"projectile-diameter": "0", "air-density": "1.2"},
+                  {**trough, "sling-stiffness": "3e5"}, {"counterweight-hanger": "0.3", "sling-stiffness": "3e5"}]:
+        yield ["sweep", "job.cfg", *TINY, *(f"--scene.{key}={value}" for key, value in scene.items())], 2
+    yield ["sweep", "job.cfg", *TINY, "--output.fields=peak-beam-stress",
+           *(f"--scene.{key}={value}" for key, value in beam.items())], 2
 
 
 def solver_keys():
@@ -59,12 +82,20 @@ def solver_keys():
         yield refused(*EULER, f"--solver.release={value}")
     for value in ["", "nan", "0", "-0.05", "1.5708", "10"]:
         yield refused(*EULER, "--solver.release", "window", f"--solver.release-window={value}")
+    for value in [*NO_NUMBERS, "0", "-3.1", "6.3"]:
+        yield refused(f"--solver.release-angle={value}")
+    for value in [*NO_NUMBERS, "3.2", "-3.2"]:
+        yield refused("--solver.release", "pin", f"--solver.pin-angle={value}")
     for value in ["", "nan", "inf", "0", "-1"]:
         yield refused(f"--solver.max-time={value}")
     for value in ["", "0", "-1", "1.5", "1e6", "99999999999999999999", "1000000000001"]:
         yield refused(f"--solver.max-steps={value}")
     yield refused("--solver.release", "window")
     yield refused("--solver.release-window", "0.05")
+    yield refused("--solver.release", "pin")
+    yield refused("--solver.pin-angle", "0.6")
+    for release in ["pin", "farthest", "fastest"]:
+        yield refused("--solver.release", release, "--solver.release-angle", "3")
     yield refused("--solver.time-step", "0.01")
     yield refused(*EULER, "--solver.tolerance", "1e-9")
     yield refused(*EULER, "--solver.target-error", "1e-6")

@@ -91,6 +91,23 @@ TEST_CASE("A tolerance that is too loose for accurate speeds is reported") {
   CHECK(count(warnings_of(job), "the tolerance is loose") == 1);
 }
 
+TEST_CASE("The warning about an edge gives the bound of r1 with a hanger or a start angle") {
+  const auto edge_of = [](const Job& job, std::size_t i1) {
+    const Lattice lattice(job.scene, job.lattice);
+    Summary summary;
+    summary.optimum = {lattice.design({i1, 5, 1}), 1, 1};
+    const auto lines = warnings(job, lattice, summary, {});
+    return lines.empty() ? "" : lines[0];
+  };
+  Job job = coarse_job();
+  job.scene.counterweight_hanger = 0.25;
+  CHECK_THAT(edge_of(job, 0), contains("the smallest allowed by h - h0 + r4 < r1 (47)"));
+  job.scene.start_angle = 0.9;
+  CHECK_THAT(edge_of(job, 0), contains("r1 = 0.1 m, the smallest allowed by 0 < r1 (47)"));
+  CHECK_THAT(edge_of(job, 11), contains("r1 = 1.2 m, the largest allowed by r1 < h0 - r4 (47)"));
+  CHECK(edge_of(job, 5) == "");
+}
+
 TEST_CASE("Without checks only the edges of the lattice are reported") {
   Job job = coarse_job();
   job.solver = paper_solver();

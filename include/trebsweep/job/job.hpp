@@ -68,11 +68,11 @@ using Overrides = std::map<std::string, std::string>;
 ///
 /// The value of a scene key is taken from the first of these that sets it: `overrides`, the file
 /// named by their scene.file, the job's own [scene], the file named by the job's scene.file.
-/// Throws InputError, also if a key is given that the solver does not use.
+/// Throws InputError, also if a key is given that the scene or the solver does not use.
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides);
 
-/// The canonical text of a job: a job file with the value of every key that its solver uses. The
-/// keys of [assess] do not affect maps and are included on request.
+/// The canonical text of a job: a job file with the value of every key that the job uses. The keys
+/// of [assess] do not affect maps and are included on request.
 std::string to_text(const Job& job, bool with_assessment = false);
 
 /// The scene on one line: its files, and every key that differs from its default.

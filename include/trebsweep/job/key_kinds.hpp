@@ -35,7 +35,7 @@ KeyKind<double> number(const Range& range);
 KeyKind<double> optional_number(const Range& range);
 
 /// An axis as first:last:step or as a single value, m.
-KeyKind<std::optional<AxisRange>> axis_range();
+KeyKind<AxisRange> axis_range();
 
 /// A path that survives being written to a job file and read back.
 KeyKind<std::string> path();
@@ -76,6 +76,13 @@ KeyKind<Enum> choice(std::span<const std::string_view> names) {
             return static_cast<Enum>(to_index(key, text, names));
           },
           [=](const Enum& value) { return std::string(names[static_cast<std::size_t>(value)]); }};
+}
+
+/// A value without a default.
+template <class T>
+KeyKind<std::optional<T>> optional_of(const KeyKind<T>& kind) {
+  return {kind.placeholder, kind.allowed, kind.parse,
+          [=](const std::optional<T>& value) { return value ? kind.print(*value) : ""; }};
 }
 
 /// A list of at least one value.

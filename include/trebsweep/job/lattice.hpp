@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "trebsweep/model/scene.hpp"
@@ -21,6 +22,16 @@ struct LatticeSpec {
   double shortest_sling = 0.30;  ///< m: the smallest r3 (48)
   std::optional<AxisRange> r1, r3, r2;
 };
+
+/// The strict bounds of r1 (47), m, and their formulas: "h - h0", "h0".
+struct ArmBounds {
+  double low, high;
+  std::string low_text, high_text;
+};
+
+/// The arm must be long enough to hold the counterweight at the start height, unless the scene
+/// gives the start angle, and so short that the counterweight, hanging below it, clears the ground.
+ArmBounds arm_bounds(const Scene& scene);
 
 /// An index or an extent in the lattice along (r1, r3, r2).
 using Index3 = std::array<std::size_t, 3>;

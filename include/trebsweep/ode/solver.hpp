@@ -48,12 +48,12 @@ inline double setting(const Solver& solver) {
   return follows_tolerance(solver.stepper) ? solver.tolerance : solver.time_step;
 }
 
-/// A solver with that stepper and setting() that locates phi1 = pi; the rest is copied from
-/// `limits`.
+/// A solver with that stepper and setting(); the rest is copied from `limits`. Only release = window
+/// becomes crossing: a window's release depends on the steps and does not converge with them.
 inline Solver solver_of(const std::string& stepper, double setting, const Solver& limits) {
   Solver solver = limits;
   solver.stepper = stepper;
-  solver.release = Release::crossing;
+  if (solver.release == Release::window) solver.release = Release::crossing;
   (follows_tolerance(stepper) ? solver.tolerance : solver.time_step) = setting;
   return solver;
 }

@@ -1,0 +1,143 @@
+#include "trebsweep/job/rules.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <iterator>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "trebsweep/base/error.hpp"
+
+namespace trebsweep {
+namespace {
+
+[[noreturn]] void refuse_number(const std::string& key, double value, const std::string& allowed) {
+  refuse(key, fmt::format("{}", value), allowed);
+}
+
+std::vector<std::string_view> steppers_with(bool tolerance) {
+  std::vector<std::string_view> names;
+  std::copy_if(stepper_names.begin(), stepper_names.end(), std::back_inserter(names),
+               [=](std::string_view name) { return follows_tolerance(name) == tolerance; });
+  return names;
+}
+
+/// Checks that a measured beam is complete and physically possible.
+void check_beam(const Scene& scene) {
+  std::vector<std::string_view> given, missing;
+  const auto sort_in = [&](const char* key, const std::optional<double>& value) {
+    (value ? given : missing).push_back(key);
+  };
+  sort_in("scene.beam-mass", scene.beam_mass);
+  sort_in("scene.beam-centre", scene.beam_centre);
+  sort_in("scene.beam-moment", scene.beam_moment);
+  if (given.empty()) return;
+  if (!missing.empty())
+    throw InputError(
+        fmt::format("{}: must be given with {}: a measured beam has a mass, a centre "
+                    "and a moment of inertia",
+                    fmt::join(missing, ", "), fmt::join(given, ", ")));
+  constexpr double rounding = 1e-12;
+  const double least = *scene.beam_mass * *scene.beam_centre * *scene.beam_centre;
+  if (*scene.beam_moment < least * (1 - rounding))
+    refuse_number(
+        "scene.beam-moment", *scene.beam_moment,
+        fmt::format("at least beam-mass * beam-centre^2 = {} kg m^2, that of a point mass", least));
+}
+
+void check_trough(const Scene& scene) {
+  if (scene.trough && scene.trough_height >= scene.fulcrum_height)
+    refuse_number("scene.trough-height", scene.trough_height,
+                  fmt::format("below scene.fulcrum-height = {}", scene.fulcrum_height));
+}
+
+void check_sling(const Scene& scene) {
+  if (scene.sling_damping > 0 && scene.sling_stiffness == 0)
+    refuse_number("scene.sling-damping", scene.sling_damping,
+                  "0 unless scene.sling-stiffness is above 0: a rigid sling does not stretch");
+  const bool hanger = scene.counterweight_hanger > 0;
+  if (scene.sling_stiffness > 0 && (hanger || scene.trough))
+    refuse_number("scene.sling-stiffness", scene.sling_stiffness,
+                  fmt::format("0 with {}: the equations of an elastic sling do not include {}",
+                              hanger ? "scene.counterweight-hanger above 0" : "scene.trough = yes",
+                              hanger ? "a hanger" : "a trough"));
+}
+
+void check_release(const Solver& solver) {
+  if (follows_tolerance(solver.stepper) && solver.release == Release::window)
+    refuse("solver.release", "window",
+           fmt::format("crossing, pin, farthest or fastest for the adaptive stepper {}, whose "
+                       "steps may skip the window",
+                       solver.stepper));
+  if (solver.release == Release::pin && !solver.pin_angle)
+    throw InputError("solver.pin-angle: must be given with solver.release = pin");
+}
+
+void check_output(const Job& job) {
+  const auto& fields = job.output.fields;
+  if (std::count(fields.begin(), fields.end(), Field::peak_beam_stress) == 0) return;
+  if (job.scene.beam_mass)
+    refuse("output.fields", "peak-beam-stress",
+           "left out with scene.beam-mass: the cross-section of a measured beam is not known");
+  if (job.scene.beam_side == 0)
+    refuse("output.fields", "peak-beam-stress",
+           "left out if scene.beam-side is 0: the beam then has no cross-section");
+}
+
+}  // namespace
+
+std::map<std::string, std::string> unused_keys(const Job& job) {
+  const Scene& scene = job.scene;
+  const Solver& solver = job.solver;
+  std::map<std::string, std::string> unused;
+  const auto leave_out = [&](std::initializer_list<const char*> keys, const std::string& why) {
+    for (const char* const key : keys) unused.emplace(key, "left out" + why);
+  };
+  if (scene.start_angle)
+    leave_out({"scene.release-height"}, " with scene.start-angle, which determines it");
+  if (scene.beam_mass)
+    leave_out({"scene.beam-density", "scene.beam-side", "scene.beam-inertia"},
+              " with scene.beam-mass, beam-centre and beam-moment, which describe the whole beam");
+  if (scene.trough)
+    leave_out({"scene.sling-angle"}, " with scene.trough = yes, which determines it");
+  else
+    leave_out({"scene.trough-height"}, " unless scene.trough is yes");
+  if (scene.projectile_diameter == 0)
+    leave_out({"scene.drag-coefficient", "scene.air-density", "scene.wind"},
+              " unless scene.projectile-diameter is above 0");
+
+  const auto not_used = [&](const char* kind, const char* instead, bool tolerance) {
+    return fmt::format(": the {} stepper {} does not use it; give {} or choose one of {}", kind,
+                       solver.stepper, instead, fmt::join(steppers_with(tolerance), ", "));
+  };
+  if (follows_tolerance(solver.stepper))
+    leave_out({"solver.time-step"}, not_used("adaptive", "solver.tolerance", false));
+  else
+    leave_out({"solver.tolerance", "solver.target-error"},
+              not_used("fixed-step", "solver.time-step", true));
+  if (solver.target_error > 0)
+    leave_out({"solver.tolerance"}, " with solver.target-error, which determines it");
+  if (solver.release != Release::crossing)
+    leave_out({"solver.release-angle"}, " unless solver.release is crossing");
+  if (solver.release != Release::pin)
+    leave_out({"solver.pin-angle"}, " unless solver.release is pin");
+  if (solver.release != Release::window)
+    leave_out({"solver.release-window"}, " unless solver.release is window");
+  return unused;
+}
+
+void check_rules(const Job& job, const std::map<std::string, std::string>& given) {
+  check_release(job.solver);
+  for (const auto& [key, why] : unused_keys(job))
+    if (const auto found = given.find(key); found != given.end()) refuse(key, found->second, why);
+  check_beam(job.scene);
+  check_trough(job.scene);
+  check_sling(job.scene);
+  check_output(job);
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,166 @@
+#include "trebsweep/job/rules.hpp"
+
+#include <fmt/format.h>
+
+#include "support/catch.hpp"
+#include "trebsweep/base/error.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+Job parse(const std::string& text, const Overrides& overrides = {}) {
+  return parse_job(text, "my.cfg", overrides);
+}
+
+Job parse_scene(const std::string& keys) { return parse("[scene]\n" + keys); }
+
+const std::string beam = "beam-mass = 4.86\nbeam-centre = 0.465\nbeam-moment = 1.85\n";
+
+}  // namespace
+
+TEST_CASE(
+    "The default release is the crossing for every stepper; adaptive ones refuse the window") {
+  for (const std::string_view stepper : stepper_names)
+    CHECK(parse(fmt::format("[solver]\nstepper = {}\n", stepper)).solver.release ==
+          Release::crossing);
+  CHECK_THROWS_WITH(parse("[solver]\nstepper = dopri5\nrelease = window\n"),
+                    contains("solver.release = window: must be crossing"));
+  CHECK(parse("[solver]\nstepper = rk4\nrelease = window\n").solver.release == Release::window);
+}
+
+TEST_CASE("The message about a key that the solver does not use says what to do") {
+  CHECK_THROWS_WITH(parse("[solver]\nstepper = euler\ntolerance = 1e-9\n"),
+                    contains("solver.tolerance = 1e-9: must be left out") &&
+                        contains("give solver.time-step or choose one of cash_karp54"));
+  CHECK_THROWS_WITH(parse("[solver]\ntime-step = 0.1\n"),
+                    contains("solver.time-step = 0.1: must be left out") &&
+                        contains("give solver.tolerance or choose one of euler"));
+  CHECK_THROWS_WITH(
+      parse("[solver]\nrelease-window = 0.1\n"),
+      contains("solver.release-window = 0.1: must be left out unless solver.release is window"));
+  CHECK_THROWS_WITH(
+      parse("[solver]\nstepper = euler\nrelease = window\n", {{"solver.stepper", "dopri5"}}),
+      contains("solver.release = window"));
+  CHECK(parse("[solver]\nstepper = rk4\nrelease = window\nrelease-window = 0.1\ntime-step = 1e-3\n")
+            .solver.release_window == 0.1);
+}
+
+TEST_CASE("Only the rule of release that a key belongs to uses it") {
+  struct Rule {
+    std::string release, key, value;
+  };
+  const std::vector<Rule> rules{{"crossing", "release-angle", "3.5"},
+                                {"pin", "pin-angle", "0.6"},
+                                {"window", "release-window", "0.1"}};
+  for (const auto& [owner, key, value] : rules)
+    for (const std::string_view release : release_names) {
+      const std::string job =
+          fmt::format("[solver]\nstepper = rk4\nrelease = {}\n{} = {}\n{}", release, key, value,
+                      release == "pin" && owner != "pin" ? "pin-angle = 0.6\n" : "");
+      INFO(job);
+      if (release == owner)
+        CHECK_NOTHROW(parse(job));
+      else
+        CHECK_THROWS_WITH(parse(job),
+                          contains(fmt::format("solver.{} = {}: must be left out unless "
+                                               "solver.release is {}",
+                                               key, value, owner)));
+    }
+}
+
+TEST_CASE("A release by a pin needs the pin's angle") {
+  CHECK_THROWS_WITH(parse("[solver]\nrelease = pin\n"),
+                    "solver.pin-angle: must be given with solver.release = pin");
+}
+
+TEST_CASE("A sling without stiffness has no damping") {
+  CHECK_THROWS_WITH(parse_scene("sling-damping = 5\n"),
+                    contains("scene.sling-damping = 5: must be 0 unless scene.sling-stiffness"));
+  CHECK(parse_scene("sling-stiffness = 1e5\nsling-damping = 5\n").scene.sling_damping == 5);
+}
+
+TEST_CASE("The message about an incomplete measured beam names what is missing and what is given") {
+  CHECK_THROWS_WITH(
+      parse_scene("beam-centre = 1\nbeam-moment = 2\n"),
+      contains("scene.beam-mass: must be given with scene.beam-centre, scene.beam-m"));
+  CHECK_THROWS_WITH(
+      parse_scene("beam-mass = 1\nbeam-moment = 2\n"),
+      contains("scene.beam-centre: must be given with scene.beam-mass, scene.beam-m"));
+  CHECK_THROWS_WITH(
+      parse_scene("beam-mass = 1\nbeam-centre = 0\n"),
+      contains("scene.beam-moment: must be given with scene.beam-mass, scene.beam-c"));
+  CHECK_THROWS_WITH(
+      parse_scene("beam-moment = 2\n"),
+      contains("scene.beam-mass, scene.beam-centre: must be given with scene.beam-moment: "));
+  CHECK(parse_scene(beam).scene.beam_moment == 1.85);
+}
+
+TEST_CASE("A measured beam has no density, side or rule of inertia, and no stress") {
+  for (const std::string key : {"beam-density = 7850", "beam-side = 0.1", "beam-inertia = prism"})
+    CHECK_THROWS_WITH(parse_scene(beam + key),
+                      contains("scene." + key + ": must be left out with scene.beam-mass"));
+  const std::string stress = "[output]\nfields = peak-beam-stress\n";
+  CHECK_THROWS_WITH(
+      parse_scene(beam + stress),
+      contains("output.fields = peak-beam-stress: must be left out with scene.beam-mass"));
+  CHECK_THROWS_WITH(
+      parse_scene("beam-side = 0\n" + stress),
+      contains("output.fields = peak-beam-stress: must be left out if scene.beam-side is 0"));
+  CHECK_NOTHROW(parse_scene(stress));
+}
+
+TEST_CASE("The moment of inertia of a measured beam is at least that of a point at its centre") {
+  CHECK_THROWS_WITH(
+      parse_scene("beam-mass = 2\nbeam-centre = -3\nbeam-moment = 17.99\n"),
+      contains("scene.beam-moment = 17.99: must be at least ") && contains("= 18 kg m^2"));
+  CHECK_NOTHROW(parse_scene("beam-mass = 2\nbeam-centre = -3\nbeam-moment = 18\n"));
+  // 3 * 0.1 * 0.1 is not quite 0.03.
+  CHECK_NOTHROW(parse_scene("beam-mass = 3\nbeam-centre = 0.1\nbeam-moment = 0.03\n"));
+}
+
+TEST_CASE("A start angle replaces the height of the counterweight") {
+  CHECK_THROWS_WITH(parse_scene("start-angle = 0.55\nrelease-height = 2\n"),
+                    contains("scene.release-height = 2: must be left out with scene.start-angle"));
+  CHECK(parse_scene("start-angle = -0.55\n").scene.start_angle == -0.55);
+}
+
+TEST_CASE("A trough is below the fulcrum and determines the angle of the sling") {
+  CHECK_THROWS_WITH(parse_scene("trough = yes\nsling-angle = -1\n"),
+                    contains("scene.sling-angle = -1: must be left out with scene.trough = yes"));
+  for (const std::string height : {"1.5", "2"})
+    CHECK_THROWS_WITH(
+        parse_scene("trough = yes\ntrough-height = " + height),
+        contains("scene.trough-height = " + height + ": must be below scene.fulcrum-height = 1.5"));
+  CHECK(parse_scene("trough = yes\ntrough-height = 1.4\n").scene.trough_height == 1.4);
+  for (const std::string trough : {"", "trough = no\n"})
+    CHECK_THROWS_WITH(
+        parse_scene(trough + "trough-height = 0.1\n"),
+        contains("scene.trough-height = 0.1: must be left out unless scene.trough is yes"));
+}
+
+TEST_CASE("Only a projectile with a diameter uses the keys of the air") {
+  for (const std::string key : {"drag-coefficient", "air-density", "wind"}) {
+    CHECK_THROWS_WITH(
+        parse_scene(key + " = 0.5\n"),
+        contains("scene." + key +
+                 " = 0.5: must be left out unless scene.projectile-diameter is above 0"));
+    CHECK_THROWS_AS(parse_scene("projectile-diameter = 0\n" + key + " = 0.5\n"), InputError);
+    CHECK_NOTHROW(parse_scene("projectile-diameter = 0.05\n" + key + " = 0.5\n"));
+  }
+}
+
+TEST_CASE("An elastic sling is refused with a hanger and with a trough") {
+  for (const std::string other : {"counterweight-hanger = 0.3", "trough = yes"}) {
+    CHECK_THROWS_WITH(parse_scene("sling-stiffness = 3e5\n" + other),
+                      contains("scene.sling-stiffness = 300000: must be 0 with scene." +
+                               other.substr(0, other.find(' '))));
+    CHECK_NOTHROW(parse_scene("sling-stiffness = 0\n" + other));
+  }
+  CHECK_NOTHROW(parse_scene("sling-stiffness = 3e5\ncounterweight-hanger = 0\ntrough = no\n"));
+}
+
+TEST_CASE("The window rule is allowed with a hanger and with a trough") {
+  for (const std::string key : {"counterweight-hanger = 0.3", "trough = yes"})
+    CHECK_NOTHROW(parse_scene(key + "\n[solver]\nstepper = euler\nrelease = window\n"));
+}
