@@ -133,8 +133,8 @@ void fly_to_zero(const FlightEquations<T>& equations, std::size_t i, const T& h,
   };
   find_root(fallen, T(0), T(1), T(at.s[i] / fall), T(precision));
   const FlightState<T, N> change = equations.rates(end, rest);
-  for (std::size_t j = 0; j < N; ++j) at.s[j] = end[j] + change[j];
-  at.time = at.time + elapsed + rest;
+  at.time = select(moves, T(at.time + elapsed + rest), at.time);
+  for (std::size_t j = 0; j < N; ++j) at.s[j] = select(moves, T(end[j] + change[j]), at.s[j]);
 }
 
 /// The limit of the steps of each leg of a flight, rejected steps included.

@@ -44,8 +44,8 @@ struct DragFreeFall {
 };
 
 /// The flight of a projectile released at `position` (m) with `velocity` (m/s). Drag is integrated
-/// with a relative error of about 1e-13 in double precision, 1e-17 in wider types; NaN if that
-/// takes too many steps.
+/// with a relative error of about 1e-13 in double precision, 1e-17 in wider types; where that
+/// takes more than max_flight_steps, range, time and speed are NaN.
 template <class T>
 Flight<T> flight(const Scene& scene, const Vector<T>& position, const Vector<T>& velocity) {
   using std::sqrt;
