@@ -14,7 +14,7 @@ using Quad = boost::multiprecision::cpp_bin_float_quad;
 template <Effects E>
 Outcome<Quad, E> swing_at(double tolerance, const Scene& scene, const Design<double>& design,
                           Solver solver) {
-  solver.release = Release::crossing;
+  solver.release = located(solver.release);
   solver.tolerance = tolerance;
   return swing_by<Quad, E>(Vern8<Quad, E>(), scene, design, solver);
 }
@@ -50,7 +50,7 @@ double speed_in_extended_precision(const Scene& scene, const Design<double>& des
   return with_effects(scene, [&]<Effects E>() {
     Solver limits = solver;
     limits.max_steps = 100'000;
-    limits.release = Release::crossing;
+    limits.release = located(limits.release);
     limits.tolerance = tolerance;
     const auto outcome = swing_by<long double, E>(Vern8<long double, E>(), scene, design, limits);
     return has_speed(outcome.status) ? static_cast<double>(outcome.speed)

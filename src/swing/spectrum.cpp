@@ -19,7 +19,7 @@ std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix) {
 
 std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, Solver solver) {
   solver.stepper = "rosenbrock4";
-  solver.release = Release::crossing;
+  solver.release = located(solver.release);
   solver.tolerance = 1e-5;
   return with_effects(scene, [&]<Effects E>() {
     const Motion<double, E> motion(scene, design);

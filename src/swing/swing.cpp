@@ -1,26 +1,47 @@
 #include "trebsweep/swing/swing.hpp"
 
+#include <vector>
+
 #include "trebsweep/ode/any_stepper.hpp"
 #include "trebsweep/ode/bulirsch_stoer.hpp"
 #include "trebsweep/swing/swing_by.hpp"
 
 namespace trebsweep {
 
+namespace {
+
+template <Effects E>
+struct Step {
+  Instant<double, E> from, to;
+};
+
+}  // namespace
+
 template <Effects E>
 Outcome<double, E> swing(const Scene& scene, const Design<double>& design, const Solver& solver,
                          const Observer<E>& observe, std::span<const Field> fields,
                          std::span<double> values) {
+  // By rules that choose the release from an interval, steps follow it. They are left out.
+  const bool choosing = takes_best_moment(solver.release);
+  std::vector<Step<E>> taken;
   const auto observe_if_given = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
-    if (observe) observe(from, to);
+    if (!observe) return;
+    if (choosing)
+      taken.push_back({from, to});
+    else
+      observe(from, to);
   };
   const auto swing_with = [&](auto&& stepper) {
     return swing_by<double, E>(stepper, scene, design, solver, observe_if_given, fields, values);
   };
-  if (info_of_stepper(solver.stepper).id == StepperId::bulirsch_stoer)
-    return swing_with(BulirschStoer<double, E>(solver));
-  if (follows_tolerance(solver.stepper))
-    return swing_with(make_any_stepper<double, E, true>(solver));
-  return swing_with(make_any_stepper<double, E, false>(solver));
+  const auto outcome = info_of_stepper(solver.stepper).id == StepperId::bulirsch_stoer
+                           ? swing_with(BulirschStoer<double, E>(solver))
+                       : follows_tolerance(solver.stepper)
+                           ? swing_with(make_any_stepper<double, E, true>(solver))
+                           : swing_with(make_any_stepper<double, E, false>(solver));
+  for (const Step<E>& step : taken)
+    if (&step == &taken.back() || step.from.t < taken.back().from.t) observe(step.from, step.to);
+  return outcome;
 }
 
 static_assert(all_effects.size() == 10);

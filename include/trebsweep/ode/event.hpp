@@ -9,75 +9,168 @@
 
 namespace trebsweep {
 
-/// An estimate of the fraction of the step from `from` to `to` at which phi1 = pi: quintic Hermite
-/// interpolation of the time as a function of phi1.
-template <class T, Effects E>
-T guess_release(const Instant<T, E>& from, const Instant<T, E>& to, const T& h) {
-  const T pi = boost::math::constants::pi<typename Lanes<T>::Number>();
-  const T turn = to.x[phi1] - from.x[phi1];
+/// An angle that ends a swing when it rises to a value: phi1, or phi2 - phi1 for a pin, from which
+/// the sling slips when phi1 - phi2 has fallen to the pin's angle.
+template <class Number>
+struct AngleEvent {
+  bool of_sling;
+  Number target;  ///< rad
+
+  template <class X>
+  auto value(const X& x) const {
+    return combined(x[phi1], x[phi2]);
+  }
+  template <class X>
+  auto rate(const X& x) const {
+    return combined(x[w1], x[w2]);
+  }
+
+ private:
+  template <class T>
+  T combined(const T& arm, const T& sling) const {
+    return of_sling ? T(sling - arm) : arm;
+  }
+};
+
+/// The event that ends a swing by the rule of release; by the rules farthest and fastest, the end
+/// of the interval from which the release is chosen.
+template <class Number>
+AngleEvent<Number> end_event(const Solver& solver) {
+  const Number pi = boost::math::constants::pi<Number>();
+  switch (solver.release) {
+    case Release::window:
+      return {false, pi - Number(solver.release_window * (1 + 1e-9))};
+    case Release::pin:
+      return {true, Number(-solver.pin_angle.value())};
+    case Release::farthest:
+    case Release::fastest:
+      return {false, pi * Number(1.5)};
+    case Release::crossing:
+      break;
+  }
+  // The default is pi in every number type.
+  return {false, solver.release_angle == std::numbers::pi ? pi : Number(solver.release_angle)};
+}
+
+/// An estimate of the fraction of the step from `from` to `to` at which the angle has its target:
+/// quintic Hermite interpolation of the time as a function of the angle.
+template <class Number, class T, Effects E>
+T guess_event(const AngleEvent<Number>& event, const Instant<T, E>& from, const Instant<T, E>& to,
+              const T& h) {
+  const T turn = event.value(to.x) - event.value(from.x);
   // First and second derivatives at both ends, both variables scaled to [0, 1].
-  const auto slope = [&](const Instant<T, E>& at) { return T(turn / T(h * at.x[w1])); };
+  const auto slope = [&](const Instant<T, E>& at) { return T(turn / T(h * event.rate(at.x))); };
   const auto curvature = [&](const Instant<T, E>& at, const T& m) {
-    return T(-at.dxdt[w1] * h * h / turn * m * m * m);
+    return T(-event.rate(at.dxdt) * h * h / turn * m * m * m);
   };
   const T m0 = slope(from), m1 = slope(to);
   const T c0 = curvature(from, m0), c1 = curvature(to, m1);
-  const T s = (pi - from.x[phi1]) / turn;
+  const T s = (T(event.target) - event.value(from.x)) / turn;
   const T a3 = T(10) - T(6) * m0 - T(4) * m1 - T(1.5) * c0 + T(0.5) * c1;
   const T a4 = T(-15) + T(8) * m0 + T(7) * m1 + T(1.5) * c0 - c1;
   const T a5 = T(6) - T(3) * m0 - T(3) * m1 - T(0.5) * c0 + T(0.5) * c1;
   return s * (m0 + s * (T(0.5) * c0 + s * (a3 + s * (a4 + s * a5))));
 }
 
-/// Locates the release, phi1 = pi, within the step from `from` (phi1 < pi) to `to` (phi1 >= pi):
-/// the instant that the stepper itself reaches from `from` with a step of the right length.
-/// `to` may be a turning point, where w1 = 0.
+/// Locates the event within the step from `from`, where the angle is below its target, to `to`,
+/// where it is not: the instant that the stepper itself reaches from `from` with a step of the
+/// right length. `to` may be a turning point, where the angle has no rate.
 ///
 /// Root finding stops within 1e-6 of the root (as a fraction of the step, in double precision:
 /// sqrt(4500 eps)). The rest is extrapolated linearly, with an error of the order of its square,
 /// 1e-12 of the step.
-template <class Stepper, class T, Effects E>
-Instant<T, E> release_between(Stepper& stepper, const Motion<T, E>& motion,
-                              const Instant<T, E>& from, const Instant<T, E>& to) {
+template <class Number, class Stepper, class T, Effects E>
+Instant<T, E> event_between(const AngleEvent<Number>& event, Stepper& stepper,
+                            const Motion<T, E>& motion, const Instant<T, E>& from,
+                            const Instant<T, E>& to) {
   using std::abs;
   using std::sqrt;
-  using Number = typename Lanes<T>::Number;
-  const T pi = boost::math::constants::pi<Number>();
-  const T h = to.t - from.t;
+  const T h = to.t - from.t, target = event.target;
   const T precision = T(sqrt(T(4500 * std::numeric_limits<Number>::epsilon())));
   Instant<T, E> at;
   State<T, E> error;
   const auto distance = [&](const T& part) {
     advance(stepper, motion, from, T(part * h), at, error);
-    return ValueAndSlope<T>{at.x[phi1] - pi, h * at.x[w1]};
+    return ValueAndSlope<T>{event.value(at.x) - target, h * event.rate(at.x)};
   };
-  find_root(distance, T(0), T(1), guess_release(from, to, h), precision);
-  const T rest = pi - at.x[phi1];
-  const auto is_near = abs(rest) <= T(precision * h * at.x[w1]);
-  const T dt = select(is_near, T(rest / at.x[w1]), T(0));
+  find_root(distance, T(0), T(1), guess_event(event, from, to, h), precision);
+  const T rest = target - event.value(at.x);
+  const auto is_near = abs(rest) <= T(precision * h * event.rate(at.x));
+  const T dt = select(is_near, T(rest / event.rate(at.x)), T(0));
   at.t = at.t + dt;
   for (std::size_t i = 0; i < at.x.size(); ++i) at.x[i] = at.x[i] + dt * at.dxdt[i];
   return at;
 }
 
-/// Locates the turning point of the arm, w1 = 0, within the step from `from` to `to`, over which w1
-/// changes its sign.
-template <class Stepper, class T, Effects E>
-Instant<T, E> turn_between(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& from,
+/// Locates the turning point of the angle, where its rate is zero, within the step from `from` to
+/// `to`, over which the rate changes its sign.
+template <class Number, class Stepper, class T, Effects E>
+Instant<T, E> turn_between(const AngleEvent<Number>& event, Stepper& stepper,
+                           const Motion<T, E>& motion, const Instant<T, E>& from,
                            const Instant<T, E>& to) {
-  using Number = typename Lanes<T>::Number;
   const T h = to.t - from.t;
   Instant<T, E> at;
   State<T, E> error;
-  const T sign =
-      select(from.x[w1] > T(0), T(-1), T(1));  // find_root() needs an increasing function
+  const T start = event.rate(from.x), end = event.rate(to.x);
+  // find_root() needs an increasing function.
+  const T sign = select(start > T(0), T(-1), T(1));
   const auto slowing = [&](const T& part) {
     advance(stepper, motion, from, T(part * h), at, error);
-    return ValueAndSlope<T>{sign * at.x[w1], T(sign * h) * at.dxdt[w1]};
+    return ValueAndSlope<T>{sign * event.rate(at.x), T(sign * h) * event.rate(at.dxdt)};
   };
-  find_root(slowing, T(0), T(1), T(from.x[w1] / T(from.x[w1] - to.x[w1])),
+  find_root(slowing, T(0), T(1), T(start / T(start - end)),
             T(8 * std::numeric_limits<Number>::epsilon()));
   return at;
+}
+
+/// A step of length h from `from`, and the fractions of it between which a function of the instant
+/// rises from below zero.
+template <class T, Effects E>
+struct Bracket {
+  Instant<T, E> from;
+  T h;          ///< s; not zero
+  T low, high;  ///< 0 and 1: the ends of the step
+  T guess;      ///< of the root
+  T slope;      ///< an estimate of the function's derivative with respect to the fraction
+};
+
+/// Locates the root of f(instant), whose derivative is not known: slopes are those of secants. The
+/// precision is relative to the step.
+template <class Stepper, class T, Effects E, class F>
+Instant<T, E> root_in(const Bracket<T, E>& bracket, Stepper& stepper, const Motion<T, E>& motion,
+                      F f, double precision) {
+  Instant<T, E> at;
+  State<T, E> error;
+  T last_part = bracket.guess, last_value = T(0), slope = bracket.slope;
+  const auto value_and_slope = [&](const T& part) {
+    advance(stepper, motion, bracket.from, T(part * bracket.h), at, error);
+    const T value = f(at);
+    const T distance = part - last_part;
+    const auto moved = (distance < T(0)) | (distance > T(0));
+    slope = select(moved, T(T(value - last_value) / select(moved, distance, T(1))), slope);
+    last_part = part;
+    last_value = value;
+    return ValueAndSlope<T>{value, slope};
+  };
+  find_root(value_and_slope, bracket.low, bracket.high, bracket.guess, T(precision));
+  return at;
+}
+
+/// Locates the lift-off within the step from `from`, where the trough carries the projectile, to
+/// `to`, where it would have to pull: the normal force is zero. As it then is continuous, an error
+/// of the lift-off's time changes the swing by its square.
+template <class Stepper, class T, Effects E>
+Instant<T, E> lift_off_between(Stepper& stepper, const Motion<T, E>& motion,
+                               const Instant<T, E>& from, const Instant<T, E>& to) {
+  using std::sqrt;
+  using Number = typename Lanes<T>::Number;
+  const auto lack = [&](const Instant<T, E>& at) {
+    return T(-motion.normal_force(at.x, at.directions));
+  };
+  const T start = lack(from), rise = lack(to) - start;
+  const Bracket<T, E> bracket{from, to.t - from.t, T(0), T(1), T(-start / rise), rise};
+  const auto epsilon = static_cast<double>(std::numeric_limits<Number>::epsilon());
+  return root_in(bracket, stepper, motion, lack, sqrt(epsilon));
 }
 
 }  // namespace trebsweep

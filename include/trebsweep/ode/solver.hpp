@@ -48,12 +48,21 @@ inline double setting(const Solver& solver) {
   return follows_tolerance(solver.stepper) ? solver.tolerance : solver.time_step;
 }
 
-/// A solver with that stepper and setting(); the rest is copied from `limits`. Only release = window
-/// becomes crossing: a window's release depends on the steps and does not converge with them.
+/// The rule of release for results that converge with the steps: that of a job, where window, whose
+/// release depends on the steps, becomes crossing.
+inline Release located(Release rule) { return rule == Release::window ? Release::crossing : rule; }
+
+/// Whether a rule of release chooses the best moment of an interval.
+inline bool takes_best_moment(Release rule) {
+  return rule == Release::farthest || rule == Release::fastest;
+}
+
+/// A solver with that stepper and setting() and a located() release; the rest is copied from
+/// `limits`.
 inline Solver solver_of(const std::string& stepper, double setting, const Solver& limits) {
   Solver solver = limits;
   solver.stepper = stepper;
-  if (solver.release == Release::window) solver.release = Release::crossing;
+  solver.release = located(solver.release);
   (follows_tolerance(stepper) ? solver.tolerance : solver.time_step) = setting;
   return solver;
 }

@@ -73,6 +73,20 @@ void copy_lane(Struct& to, std::size_t i, const Struct& from, std::size_t j) {
   }
 }
 
+/// Copies every number in `from` to `to` in the lanes of a mask; Struct consists of numbers T only.
+template <class T, class Mask, class Struct>
+void copy_where(const Mask& mask, Struct& to, const Struct& from) {
+  if constexpr (Lanes<T>::count == 1) {
+    if (mask) to = from;
+  } else {
+    static_assert(std::is_trivially_copyable_v<Struct> && sizeof(Struct) % sizeof(T) == 0);
+    auto* out = reinterpret_cast<T*>(&to);
+    const auto* in = reinterpret_cast<const T*>(&from);
+    for (std::size_t n = 0; n < sizeof(Struct) / sizeof(T); ++n)
+      out[n] = select(mask, in[n], out[n]);
+  }
+}
+
 /// Register r of every number in `from`, which consists of packs of R registers only. One is the
 /// same type for packs of one register.
 template <class One, std::size_t R, class Struct>

@@ -27,13 +27,22 @@ enum class Field {
   least_sling_tension,
   peak_sling_tension,
   peak_axle_load,
-  peak_beam_stress
+  peak_beam_stress,
+  flight_time,
+  impact_speed,
+  apex,
+  lift_off_time,
+  arm_angle,
+  pin_angle,
+  peak_hanger_tension
 };
 
 /// How a field is computed.
 enum class FieldKind {
   result,      ///< part of every SwingResult
   at_release,  ///< from the state at the release
+  flight,      ///< of the flight from the release to the ground
+  lift_off,    ///< from the lift-off
   load,        ///< from the loads along the whole swing
   separate     ///< by an additional integration
 };
@@ -63,9 +72,9 @@ inline constexpr auto field_info = std::to_array<FieldInfo>({
      "kinetic energy of the projectile at release"},
     {Field::efficiency, "efficiency", "1", FieldKind::at_release,
      "kinetic energy of the projectile at release over the potential energy released"},
-    {Field::range, "range", "m", FieldKind::at_release,
-     "horizontal distance from the release to the impact of a flight without drag, positive in the "
-     "direction of the velocity of the arm's tip at phi1 = pi"},
+    {Field::range, "range", "m", FieldKind::flight,
+     "horizontal distance from the foot of the fulcrum to the impact on the ground, positive in "
+     "the direction of the throw"},
     {Field::energy_drift, "energy-drift", "1", FieldKind::at_release,
      "energy at release plus losses minus initial energy, over the potential energy released"},
     {Field::steps, "steps", "1", FieldKind::result, "steps, accepted and rejected"},
@@ -84,6 +93,20 @@ inline constexpr auto field_info = std::to_array<FieldInfo>({
     {Field::peak_axle_load, "peak-axle-load", "N", FieldKind::load, "largest force on the axle"},
     {Field::peak_beam_stress, "peak-beam-stress", "Pa", FieldKind::load,
      "largest bending stress of the beam at the fulcrum"},
+    {Field::flight_time, "flight-time", "s", FieldKind::flight,
+     "time from the release to the impact"},
+    {Field::impact_speed, "impact-speed", "m s-1", FieldKind::flight,
+     "speed of the projectile at the impact"},
+    {Field::apex, "apex", "m", FieldKind::flight,
+     "greatest height of the projectile above the ground after the release"},
+    {Field::lift_off_time, "lift-off-time", "s", FieldKind::lift_off,
+     "time from the start to the projectile's lift-off from the trough"},
+    {Field::arm_angle, "arm-angle", "rad", FieldKind::at_release,
+     "angle of the counterweight's arm from the upward vertical at release"},
+    {Field::pin_angle, "pin-angle", "rad", FieldKind::at_release,
+     "angle between the sling and the continuation of the throwing arm at release"},
+    {Field::peak_hanger_tension, "peak-hanger-tension", "N", FieldKind::load,
+     "largest tension of the counterweight's hanger"},
 });
 static_assert(std::ranges::all_of(field_info, [](const FieldInfo& info) {
   return &info - field_info.data() == static_cast<std::ptrdiff_t>(info.field);

@@ -4,35 +4,17 @@
 
 #include "trebsweep/model/mechanism.hpp"
 #include "trebsweep/swing/field.hpp"
+#include "trebsweep/swing/flight.hpp"
 #include "trebsweep/swing/swing_record.hpp"
 
 namespace trebsweep {
 
-/// Whether the projectile is below the ground, where there is no range.
-template <class T, Effects E>
-auto is_below_ground(const Mechanism<T, E>& mechanism, const State<T, E>& x) {
-  return T(mechanism.scene().fulcrum_height) + mechanism.projectile(x).y < T(0);
-}
-
-/// The horizontal distance (m) from the release to the impact on the ground, without drag; NaN if
-/// the projectile is below the ground.
-template <class T, Effects E>
-T drag_free_range(const Mechanism<T, E>& mechanism, const State<T, E>& x) {
-  using std::sqrt;
-  const Scene& scene = mechanism.scene();
-  const auto velocity = mechanism.velocity(x);
-  const T g(scene.gravity), height = T(scene.fulcrum_height) + mechanism.projectile(x).y;
-  const T square = velocity.y * velocity.y + T(2) * g * height;
-  const T nan = std::numeric_limits<double>::quiet_NaN();
-  const T flight_time = T(velocity.y + sqrt(select(square > T(0), square, T(0)))) / g;
-  return select(height < T(0), nan, T(velocity.x * flight_time));
-}
-
 /// The value of a field at the release in state x, for the fields that are not in SwingResult and
-/// do not have an integration of their own.
+/// do not have an integration of their own. The record and the flight need only hold what the field
+/// is made of.
 template <class T, Effects E>
 T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T, E>& x,
-                   const SwingRecord<T>& record) {
+                   const SwingRecord<T>& record, const Flight<T>& flight) {
   const Scene& scene = mechanism.scene();
   const auto kinetic_energy = [&] {
     const T speed = mechanism.speed(x);
@@ -54,7 +36,19 @@ T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T,
     case Field::efficiency:
       return kinetic_energy() / potential_energy_released();
     case Field::range:
-      return drag_free_range(mechanism, x);
+      return flight.range;
+    case Field::flight_time:
+      return flight.time;
+    case Field::impact_speed:
+      return flight.impact_speed;
+    case Field::apex:
+      return flight.apex;
+    case Field::lift_off_time:
+      return record.lift_off_time;
+    case Field::arm_angle:
+      return x[phi1];
+    case Field::pin_angle:
+      return x[phi1] - x[phi2];
     case Field::energy_drift:
       return T(T(mechanism.energy(x) + record.loss) - mechanism.energy(at_start())) /
              potential_energy_released();
@@ -71,6 +65,8 @@ T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T,
       return record.peak_axle_load;
     case Field::peak_beam_stress:
       return record.peak_stress;
+    case Field::peak_hanger_tension:
+      return record.peak_hanger_tension;
     case Field::speed:
     case Field::release_time:
     case Field::status:

@@ -24,6 +24,30 @@ struct LaneState {
   T h;  ///< s: length of the next step; the same in all lanes of a fixed-step method
 };
 
+/// The swing in a lane. Steps are counted over all lanes.
+template <class Number>
+struct LaneOwner {
+  std::uint64_t index;       // of its design
+  std::uint64_t first_step;  // the steps taken when it began
+  // Of a fixed-step method: the steps taken and the time (s) at its start or lift-off.
+  std::uint64_t origin_step;
+  Number origin_time;
+
+  /// The time after a step of a fixed-step method, n h from the origin, which accumulates no
+  /// rounding errors.
+  Number time_after(std::uint64_t step, double time_step) const {
+    return origin_time + Number(Number(step - origin_step) * Number(time_step));
+  }
+};
+
+/// The time between two instants, s. If there is none, a negligible time: steppers need a length
+/// that is not zero.
+template <class T, Effects E>
+T step_between(const Instant<T, E>& from, const Instant<T, E>& to) {
+  const T h = to.t - from.t;
+  return select(h > T(0), h, T(1e-30));
+}
+
 /// Whether state and rates of a lane are finite.
 template <class T, Effects E>
 bool is_finite(const Instant<T, E>& at, std::size_t lane) {

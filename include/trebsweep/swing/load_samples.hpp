@@ -18,6 +18,13 @@ inline constexpr std::array<double, 6> load_nodes{
 template <class T>
 using LoadSamples = std::array<Loads<T>, load_nodes.size()>;
 
+/// The loads at an instant.
+template <class T, Effects E>
+Loads<T> loads_at(const Motion<T, E>& motion, const Mechanism<T, E>& mechanism,
+                  const Instant<T, E>& at) {
+  return mechanism.loads(at.x, at.dxdt, motion.normal_force(at.x, at.directions));
+}
+
 /// The loads at the nodes of a step of length h, for the interpolated motion. Not inlined: all
 /// adaptive steppers share the code.
 template <class T, Effects E>
@@ -29,10 +36,10 @@ template <class T, Effects E>
   LoadSamples<T> loads;
   for (std::size_t i = 1; i + 1 < load_nodes.size(); ++i) {
     const Instant<T, E> at = instant(motion, T(0), between(load_nodes[i]));
-    loads[i] = mechanism.loads(at.x, at.dxdt);
+    loads[i] = loads_at(motion, mechanism, at);
   }
-  loads.front() = mechanism.loads(from.x, from.dxdt);
-  loads.back() = mechanism.loads(to.x, to.dxdt);
+  loads.front() = loads_at(motion, mechanism, from);
+  loads.back() = loads_at(motion, mechanism, to);
   return loads;
 }
 
@@ -46,10 +53,10 @@ LoadSamples<T> integrated_loads(Stepper& stepper, const Motion<T, E>& motion,
     Instant<T, E> at;
     State<T, E> error;
     advance(stepper, motion, from, T(T(load_nodes[i]) * h), at, error);
-    loads[i] = mechanism.loads(at.x, at.dxdt);
+    loads[i] = loads_at(motion, mechanism, at);
   }
-  loads.front() = mechanism.loads(from.x, from.dxdt);
-  loads.back() = mechanism.loads(to.x, to.dxdt);
+  loads.front() = loads_at(motion, mechanism, from);
+  loads.back() = loads_at(motion, mechanism, to);
   return loads;
 }
 

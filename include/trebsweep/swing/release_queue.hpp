@@ -6,13 +6,16 @@
 #include <span>
 
 #include "trebsweep/ode/event.hpp"
+#include "trebsweep/swing/best_moment.hpp"
 #include "trebsweep/swing/field_value.hpp"
 #include "trebsweep/swing/lane_state.hpp"
+#include "trebsweep/swing/release_rule.hpp"
 
 namespace trebsweep {
 
-/// Swings whose last step contains the release. They wait until they fill a pack, so that root
-/// finding and fields are computed for all lanes at once.
+/// Swings whose last step contains the release, or the end of the interval from which it is chosen.
+/// They wait until they fill a pack, so that root finding and fields are computed for all lanes at
+/// once.
 template <class Stepper, class T, Effects E>
 class ReleaseQueue {
  public:
@@ -25,15 +28,16 @@ class ReleaseQueue {
 
   /// Adds the swing in a lane, whose last step is from `from` to `to`.
   void push(std::size_t lane, std::uint64_t index, std::uint64_t steps,
-            const LaneState<T, E>& state, const SwingRecord<T>& record, const Instant<T, E>& from,
-            const Instant<T, E>& to) {
+            const LaneState<T, E>& state, const SwingRecord<T>& record,
+            const BestMoment<T, E>& best, const Instant<T, E>& from, const Instant<T, E>& to) {
     copy_lane<T>(pending_.design, size_, state.design, lane);
     copy_lane<T>(pending_.to, size_, to, lane);
-    if (lanes == 1 || recording_ || solver_.release == Release::crossing) {
+    if (lanes == 1 || recording_ || !rule_.is_window()) {
       copy_lane<T>(pending_.motion, size_, state.motion, lane);
       copy_lane<T>(pending_.from, size_, from, lane);
     }
     if (recording_) copy_lane<T>(pending_.record, size_, record, lane);
+    if (rule_.chooses()) copy_lane<T>(pending_.best, size_, best, lane);
     index_[size_] = index;
     steps_[size_] = steps;
     ++size_;
@@ -45,12 +49,19 @@ class ReleaseQueue {
   [[gnu::noinline]] void locate_releases(Stepper& stepper, Done done) {
     if (size_ == 0) return;
     for (std::size_t lane = size_; lane < lanes; ++lane) copy_lane<T>(pending_, lane, pending_, 0);
-    auto& [design, motion, from, to, record] = pending_;
-    if (solver_.release == Release::crossing) to = release_between(stepper, motion, from, to);
+    auto& [design, motion, from, to, record, best] = pending_;
     const Mechanism<T, E> mechanism(scene_, design);
+    if (rule_.chooses())
+      choose(stepper, mechanism);
+    else if (!rule_.is_window())
+      to = event_between(rule_.event(), stepper, motion, from, to);
     const T speed = mechanism.speed(to.x);
-    write_fields(stepper, mechanism);
-    const LaneMask below_ground = ranging_ ? lanes_of(is_below_ground(mechanism, to.x)) : 0;
+    const auto flight =
+        flying_ ? trebsweep::flight(scene_, mechanism.projectile(to.x), mechanism.velocity(to.x))
+                : Flight<T>{};
+    write_fields(stepper, mechanism, flight);
+    // Only a flight through very strong drag may have no range, but still has an apex.
+    const LaneMask below_ground = flying_ ? lanes_of(!(flight.apex >= T(0))) : 0;
     for (std::size_t lane = 0; lane < size_; ++lane) {
       const Status status = !is_finite(to, lane)              ? Status::non_finite
                             : get_lane(to.t, lane) > latest_  ? Status::not_released
@@ -71,16 +82,32 @@ class ReleaseQueue {
     Motion<T, E> motion;
     Instant<T, E> from, to;
     SwingRecord<T> record;
+    BestMoment<T, E> best;
   };
 
-  void write_fields(Stepper& stepper, const Mechanism<T, E>& mechanism) {
+  /// Makes the best moment of the interval, which ends with the last step, the end of the last
+  /// step; with an infinite time where there is none.
+  void choose(Stepper& stepper, const Mechanism<T, E>& mechanism) {
+    auto& [design, motion, from, to, record, best] = pending_;
+    to = end_of_interval(stepper, motion, from, to, T(Number(solver_.max_time)));
+    try_step_of_swing(best, solver_.release, parts_to_search<Stepper>, motion, mechanism, from, to,
+                      T(to.t - from.t), record);
+    try_instant(best, worth(solver_.release, mechanism, to, 1e-5).value, to, record);
+    to = best_instant(best, solver_.release, stepper, motion, mechanism);
+    from = best.bracket.from;
+    record = best.record;
+    const T infinity = std::numeric_limits<double>::infinity();
+    to.t = select(best.worth > T(-infinity), to.t, infinity);
+  }
+
+  void write_fields(Stepper& stepper, const Mechanism<T, E>& mechanism, const Flight<T>& flight) {
     if (fields_.empty()) return;
-    auto& [design, motion, from, to, record] = pending_;
-    if (recording_)
+    auto& [design, motion, from, to, record, best] = pending_;
+    if (request_.steps())
       record = record_step(record, request_, stepper, solver_.tolerance, motion, mechanism, from,
-                           to, T(to.t - from.t));
+                           to, step_between(from, to));
     for (std::size_t f = 0; f < fields_.size(); ++f) {
-      const T value = value_at_release(fields_[f], mechanism, to.x, record);
+      const T value = value_at_release(fields_[f], mechanism, to.x, record, flight);
       for (std::size_t lane = 0; lane < size_; ++lane)
         values_[index_[lane] * fields_.size() + f] = static_cast<double>(get_lane(value, lane));
     }
@@ -92,7 +119,9 @@ class ReleaseQueue {
   const std::span<double> values_;
   const RecordRequest request_;
   const bool recording_ = request_.any();
-  const bool ranging_ = std::count(fields_.begin(), fields_.end(), Field::range) > 0;
+  const bool flying_ = std::ranges::any_of(
+      fields_, [](Field field) { return info(field).kind == FieldKind::flight; });
+  const ReleaseRule<Number> rule_{solver_};
   const Number latest_ = latest_time<Number>(solver_);
 
   PendingRelease pending_{};

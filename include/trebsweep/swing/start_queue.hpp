@@ -16,16 +16,20 @@ class StartQueue {
   bool empty() const { return first_ == size_; }
 
   /// Refills an empty queue from next(design), which returns false after the last design. Calls
-  /// unreachable(index) for designs that have no initial state.
-  template <class Next, class Unreachable>
-  [[gnu::noinline]] void refill(const Stepper& stepper, Next& next, Unreachable unreachable) {
+  /// impossible(index, status) for designs that have no initial state.
+  template <class Next, class Impossible>
+  [[gnu::noinline]] void refill(const Stepper& stepper, Next& next, Impossible impossible) {
     first_ = size_ = 0;
     Design<T> designs{1, 1, 1};
     Design<double> design;
     while (size_ < lanes && next(design)) {
       const std::uint64_t index = designs_++;
       if (!start_is_reachable(scene_, design.r1)) {
-        unreachable(index);
+        impossible(index, Status::unreachable_start);
+        continue;
+      }
+      if (!sling_reaches_trough(scene_, design)) {
+        impossible(index, Status::sling_too_short);
         continue;
       }
       set_lane(designs.r1, size_, Number(design.r1));
@@ -37,6 +41,12 @@ class StartQueue {
     state_.design = designs;
     state_.motion = Motion<T, E>(scene_, designs);
     now_ = instant(state_.motion, T(0), start<T, E>(scene_, designs));
+    if constexpr (E.trough) {
+      // A trough that does not carry the projectile at the start is left at once.
+      const T normal = state_.motion.normal_force(now_.x, now_.directions);
+      state_.motion.set_sliding(select(normal > T(0), T(1), T(0)));
+      state_.motion.rates(now_.x, now_.directions, now_.dxdt);
+    }
     state_.h = first_step(stepper, now_);
   }
 
@@ -58,7 +68,11 @@ class StartQueue {
     using std::abs;
     if constexpr (!is_adaptive<Stepper>) return T(Number(solver_.time_step));
     const T a = abs(at.dxdt[w1]), b = abs(at.dxdt[w2]);
-    const T rate = select(a < b, b, a);
+    T rate = select(a < b, b, a);
+    if constexpr (E.hanger) {
+      const T c = abs(at.dxdt[w3]);
+      rate = select(rate < c, c, rate);
+    }
     return rough_power(T(0.1 * solver_.tolerance), rate, 1.0 / (stepper.order() + 1));
   }
 

@@ -9,14 +9,17 @@ namespace trebsweep {
 
 /// The outcome of a design, as stored in the status map; 0 is the fill value of the map.
 enum class Status : std::uint8_t {
-  outside_lattice,       ///< not a design of the lattice
-  released,              ///< has a release
-  not_released,          ///< no release before max-time
-  unreachable_start,     ///< r1 < |h - h0|: the arm does not reach the start height
-  step_budget,           ///< neither a release nor max-time within max-steps
-  step_underflow,        ///< the tolerance requires steps too short to change the time
-  non_finite,            ///< the state became infinite or NaN
-  released_below_ground  ///< has a release below the ground; only if the field range is requested
+  outside_lattice,        ///< not a design of the lattice
+  released,               ///< has a release
+  not_released,           ///< no release before max-time
+  unreachable_start,      ///< r1 < |h - h0 + r4|: the arm does not reach the start height
+  step_budget,            ///< neither a release nor max-time within max-steps
+  step_underflow,         ///< the tolerance requires steps too short to change the time
+  non_finite,             ///< the state became infinite or NaN
+  released_below_ground,  ///< has a release below the ground; only if a field of the flight is
+                          ///< requested
+  never_lifted,           ///< the projectile was still in the trough when the swing ended
+  sling_too_short         ///< the sling does not reach the trough at the start
 };
 
 /// Whether designs with that status have a release and a speed.
@@ -25,9 +28,10 @@ inline constexpr bool has_speed(Status status) {
 }
 
 /// Names of the statuses, in the order of their values.
-inline constexpr std::array<std::string_view, 8> status_names{
+inline constexpr std::array<std::string_view, 10> status_names{
     "outside_lattice", "released",       "not_released", "unreachable_start",
-    "step_budget",     "step_underflow", "non_finite",   "released_below_ground"};
+    "step_budget",     "step_underflow", "non_finite",   "released_below_ground",
+    "never_lifted",    "sling_too_short"};
 
 inline constexpr std::string_view name_of(Status status) {
   return status_names[static_cast<std::size_t>(status)];

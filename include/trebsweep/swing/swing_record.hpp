@@ -13,15 +13,17 @@
 
 namespace trebsweep {
 
-/// Extremes of the loads, and the energy lost, from the start of a swing on. Only what the fields
-/// need is recorded.
+/// The time of the lift-off, extremes of the loads, and the energy lost, from the start of a swing
+/// on. Only what the fields need is recorded.
 template <class T>
 struct SwingRecord {
   T least_tension = std::numeric_limits<double>::infinity();  ///< N, of the sling at the projectile
   T peak_tension = 0;                                         ///< N, of the sling at the arm's tip
   T peak_axle_load = 0;                                       ///< N
   T peak_stress = 0;                                          ///< Pa
+  T peak_hanger_tension = 0;                                  ///< N
   T loss = 0;                                                 ///< J, by friction and damping
+  T lift_off_time = 0;  ///< s, of a swing that begins in a trough
 };
 
 /// The quantities of a SwingRecord that some fields of a scene need.
@@ -32,14 +34,21 @@ struct RecordRequest {
       peak_tension |= field == Field::peak_sling_tension;
       peak_axle_load |= field == Field::peak_axle_load;
       peak_stress |= field == Field::peak_beam_stress;
+      peak_hanger_tension |= field == Field::peak_hanger_tension;
+      lift_off |= field == Field::lift_off_time;
       loss |= field == Field::energy_drift && is_dissipative(scene);
     }
   }
-  bool loads() const { return least_tension || peak_tension || peak_axle_load || peak_stress; }
-  bool any() const { return loads() || loss; }
+  bool loads() const {
+    return least_tension || peak_tension || peak_axle_load || peak_stress || peak_hanger_tension;
+  }
+  /// Whether the record grows with each step.
+  bool steps() const { return loads() || loss; }
+  bool any() const { return steps() || lift_off; }
 
   bool least_tension = false, peak_tension = false, peak_axle_load = false, peak_stress = false;
-  bool loss = false;
+  bool peak_hanger_tension = false;
+  bool loss = false, lift_off = false;
 };
 
 /// The mean power lost to friction and damping over a step, W: Gauss-Lobatto quadrature with five
@@ -81,6 +90,9 @@ template <class T>
   if (request.peak_axle_load)
     record.peak_axle_load =
         larger(record.peak_axle_load, peak_of([](const Loads<T>& l) { return l.axle; }));
+  if (request.peak_hanger_tension)
+    record.peak_hanger_tension = larger(
+        record.peak_hanger_tension, peak_of([](const Loads<T>& l) { return l.hanger_tension; }));
   if (request.peak_stress) {
     // The larger of the peaks of bending to either side.
     T stress = loads[0].beam_stress;

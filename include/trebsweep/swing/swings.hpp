@@ -6,7 +6,9 @@
 #include <limits>
 #include <span>
 
+#include "trebsweep/swing/lift_off_queue.hpp"
 #include "trebsweep/swing/release_queue.hpp"
+#include "trebsweep/swing/release_rule.hpp"
 #include "trebsweep/swing/start_queue.hpp"
 
 namespace trebsweep {
@@ -39,12 +41,16 @@ class Swings {
         done_(done),
         observe_(observe),
         starts_(scene, solver),
+        lift_offs_(solver, request_),
         releases_(scene, solver, fields, values) {}
 
   /// Integrates all designs. Returns the number of steps of all lanes, idle lanes included.
   std::uint64_t run() {
-    for (std::size_t lane = 0; lane < lanes; ++lane) refill(lane);
-    while (active_ != 0) step();
+    do {
+      for (std::size_t lane = 0; lane < lanes; ++lane) refill(lane);
+      while (active_ != 0) step();
+      locate_lift_offs();  // of the last swings
+    } while (!lift_offs_.empty());
     locate_releases();
     return steps_taken_ * lanes;
   }
@@ -55,12 +61,6 @@ class Swings {
   static constexpr std::size_t lanes = Lanes<T>::count;
   static constexpr bool adaptive = is_adaptive<Stepper>;
   static_assert(lanes == 1 || std::is_same_v<Observe, NullObserver>);
-
-  /// The design in a lane.
-  struct LaneOwner {
-    std::uint64_t index;
-    std::uint64_t first_step;  // steps_taken_ when its swing began
-  };
 
   void step() {
     Instant& from = now_[steps_taken_ % 2];
@@ -77,16 +77,17 @@ class Swings {
   LaneMask fixed_step(Instant& from, Instant& to) {
     State<T, E> no_error_estimate;
     advance(stepper_, lanes_.motion, from, lanes_.h, to, no_error_estimate);
-    // Negated so that NaN is an event as well.
-    LaneMask events = lanes_of(!(to.x[phi1] < event_angle_));
-    if (solver_.release == Release::crossing)
-      events |= lanes_of((from.x[w1] > T(0)) & (to.x[w1] < T(0)));
+    LaneMask events = rule_.possible(from, to);
     if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
+    if constexpr (E.trough) events |= lifting_lanes(to);
     const LaneMask ended = check_events(events, ~LaneMask{0}, from, to);
     if constexpr (lanes == 1) {
-      if (ended == 0) observe_(at_step(from, 1), at_step(to, 0));
+      if (ended == 0) {
+        set_times(1, from, to);
+        observe_(from, to);
+      }
     }
-    if (recording_) record(from, to, lanes_.h);
+    follow(from, to, lanes_.h);
     return ended;
   }
 
@@ -99,39 +100,39 @@ class Swings {
     const auto [good, next] = try_step(stepper_, lanes_.motion, from, h, to, solver_.tolerance);
     to.t = select(last, max_time_, to.t);
     lanes_.h = next;
-    auto turned = (from.x[w1] > T(0)) & (to.x[w1] < T(0));
-    if constexpr (E.pivot) turned = turned | ((from.x[w1] < T(0)) & (to.x[w1] > T(0)));
-    const LaneMask events = lanes_of((!(to.x[phi1] < event_angle_)) | turned | (to.t >= max_time_) |
-                                     (lanes_.h < shortest_step_));
+    LaneMask events =
+        rule_.possible(from, to) | lanes_of((to.t >= max_time_) | (lanes_.h < shortest_step_));
+    if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
+    if constexpr (E.trough) events |= lifting_lanes(to);
     const LaneMask accepted = lanes_of(good);
     const LaneMask ended = check_events(events, accepted, from, to);
     if constexpr (lanes == 1) {
       if (good && ended == 0) observe_(from, to);
     }
-    if ((~accepted & active_) != 0) {
-      to.t = select(good, to.t, from.t);
-#pragma GCC unroll 8
-      for (std::size_t i = 0; i < coordinates<E>; ++i) {
-        to.x[i] = select(good, to.x[i], from.x[i]);
-        to.dxdt[i] = select(good, to.dxdt[i], from.dxdt[i]);
-      }
-#pragma GCC unroll 8
-      for (std::size_t i = 0; i < direction_count<E>; ++i)
-        to.directions[i] = select(good, to.directions[i], from.directions[i]);
-    }
-    if (recording_) {
-      // A rejected step adds nothing to the record. Steppers need a length that is not zero.
-      constexpr double negligible = 1e-30;
-      record(from, to, select(good, T(to.t - from.t), T(negligible)));
-    }
+    if ((~accepted & active_) != 0) copy_where<T>(!good, to, from);
+    follow(from, to, step_between(from, to));  // a rejected step adds nothing
     return ended;
   }
 
-  /// Extends the records of all lanes by a step; refill() resets those of swings that have ended.
+  /// Extends the records and the best moments of all lanes by a step, if they are needed; refill()
+  /// resets those of swings that have ended.
+  void follow(const Instant& from, const Instant& to, const T& h) {
+    if (rule_.chooses()) search(from, to, h);
+    if (request_.steps()) record(from, to, h);
+  }
+
   [[gnu::noinline]] void record(const Instant& from, const Instant& to, const T& h) {
     const Mechanism<T, E> mechanism(scene_, lanes_.design);
     record_ = record_step(record_, request_, stepper_, solver_.tolerance, lanes_.motion, mechanism,
                           from, to, h);
+  }
+
+  [[gnu::noinline]] void search(const Instant& from, const Instant& to, const T& h) {
+    const Mechanism<T, E> mechanism(scene_, lanes_.design);
+    BestMoment<T, E> best = best_;
+    try_step_of_swing(best, solver_.release, parts_to_search<Stepper>, lanes_.motion, mechanism,
+                      from, to, h, record_);
+    copy_where<T>(lanes_.motion.sliding() <= T(0), best_, best);
   }
 
   /// Handles possible events, and lanes that have used up their steps. Returns the lanes whose
@@ -150,10 +151,10 @@ class Swings {
     next_step_check_ = std::numeric_limits<std::uint64_t>::max();
     for (LaneMask left = active_; left != 0; left &= left - 1) {
       const std::size_t lane = first_lane(left);
-      if (steps(lane) >= step_limit_)
-        mask |= LaneMask{1} << lane;
-      else
-        next_step_check_ = std::min(next_step_check_, owner_[lane].first_step + step_limit_);
+      if (steps(lane) >= step_limit_) mask |= LaneMask{1} << lane;
+      // After a lift-off, fixed steps reach max_time one step later.
+      const std::uint64_t limit = owner_[lane].first_step + step_limit_;
+      next_step_check_ = std::min(next_step_check_, std::max(limit, steps_taken_ + 1));
     }
     return mask;
   }
@@ -167,7 +168,9 @@ class Swings {
     if constexpr (!adaptive) set_times(events, from, to);
     LaneMask ended = 0;
     [[maybe_unused]] const LaneMask turning = events & accepted;
-    if (solver_.release == Release::crossing) locate_turning_points(events & accepted, from, to);
+    if (!rule_.is_window())
+      rule_.end_at_turning_points(events & accepted & ~sliding_lanes(), stepper_, lanes_.motion,
+                                  from, to);
     for (; events != 0; events &= events - 1) {
       const std::size_t lane = first_lane(events);
       if (has_ended(lane, (accepted >> lane & 1) != 0, from, to)) ended |= LaneMask{1} << lane;
@@ -189,13 +192,21 @@ class Swings {
     if (accepted) {
       const Number t = get_lane(to.t, lane);
       const bool late = t > latest_;
-      if (is_released(lane, from, to) && !(late && solver_.release == Release::window)) {
-        releases_.push(lane, owner_[lane].index, steps(lane), lanes_, record_, from, to);
+      const bool sliding = (sliding_lanes() >> lane & 1) != 0;
+      if (sliding && lifts_off(lane)) {
+        lift_offs_.push(lane, owner_[lane].index, steps(lane), lanes_, record_, from, to);
+        if (lift_offs_.full()) locate_lift_offs();
+        return true;
+      }
+      if (!sliding && rule_.ends(lane, from, to) && !(late && rule_.is_window())) {
+        releases_.push(lane, owner_[lane].index, steps(lane), lanes_, record_, best_, from, to);
         if (releases_.full()) locate_releases();
         return true;
       }
-      if (late) return end(Status::not_released, from);
-      if (t >= Number(solver_.max_time)) return end(Status::not_released, to);
+      const Status unreleased = sliding ? Status::never_lifted : Status::not_released;
+      if (late) return end(unreleased, from);
+      if (t >= Number(solver_.max_time) || (sliding && rule_.passes(lane, from, to)))
+        return end(unreleased, to);
     } else if (step_underflows(lane, from)) {
       return end(Status::step_underflow, from);
     }
@@ -203,15 +214,26 @@ class Swings {
     return false;
   }
 
-  /// The rule of release.
-  bool is_released(std::size_t lane, const Instant& from, const Instant& to) const {
-    using std::abs;
-    const Number angle = get_lane(to.x[phi1], lane);
-    const Number pi = boost::math::constants::pi<Number>();
-    if (solver_.release == Release::window)
-      return abs(Number(pi - angle)) < Number(solver_.release_window);
-    // A start at phi1 >= pi is not a crossing.
-    return angle >= pi && get_lane(from.x[phi1], lane) < pi;
+  /// The lanes whose projectile slides in the trough.
+  LaneMask sliding_lanes() const {
+    if constexpr (E.trough) return lanes_of(lanes_.motion.sliding() > T(0));
+    return 0;
+  }
+
+  /// The lanes whose projectile slides and is not pressed into the trough any more.
+  LaneMask lifting_lanes(const Instant& to) {
+    normal_force_ = lanes_.motion.normal_force(to.x, to.directions);
+    return lanes_of((normal_force_ <= T(0)) & (lanes_.motion.sliding() > T(0)));
+  }
+  bool lifts_off(std::size_t lane) const { return get_lane(normal_force_, lane) <= Number(0); }
+
+  void locate_lift_offs() {
+    if constexpr (E.trough)
+      lift_offs_.locate(
+          stepper_, scene_,
+          [&]([[maybe_unused]] const Instant& from, [[maybe_unused]] const Instant& to) {
+            if constexpr (lanes == 1) observe_(from, to);
+          });
   }
 
   void locate_releases() {
@@ -232,38 +254,17 @@ class Swings {
     return adaptive && get_lane(lanes_.h, lane) < std::numeric_limits<Number>::epsilon() * time;
   }
 
-  /// Sets the times of a fixed-step method, n h, which accumulate no rounding errors.
+  /// Sets the times of a step of a fixed-step method.
   void set_times(LaneMask mask, Instant& from, Instant& to) {
     for (; mask != 0; mask &= mask - 1) {
       const std::size_t lane = first_lane(mask);
-      set_lane(from.t, lane, time_of(steps(lane) - 1));
-      set_lane(to.t, lane, time_of(steps(lane)));
+      set_lane(from.t, lane, time_after(lane, steps_taken_ - 1));
+      set_lane(to.t, lane, time_after(lane, steps_taken_));
     }
   }
 
-  Number time_of(std::uint64_t step) const { return Number(step) * Number(solver_.time_step); }
-
-  /// An instant of a fixed-step method, `back` steps before the last one, with its time.
-  Instant at_step(Instant at, std::uint64_t back) const {
-    at.t = time_of(steps(0) - back);
-    return at;
-  }
-
-  /// Where the arm turns back within the step, having possibly passed phi1 = pi, the turning point
-  /// becomes the end of the step.
-  void locate_turning_points(LaneMask mask, const Instant& from, Instant& to) {
-    const T pi = boost::math::constants::pi<Number>();
-    // An upper bound of phi1 within the step.
-    const T bound = from.x[phi1] + T(to.t - from.t) * T(from.x[w1] - to.x[w1]);
-    mask &= lanes_of((from.x[phi1] < pi) & (to.x[phi1] < pi) & (bound >= pi) & (from.x[w1] > T(0)) &
-                     (to.x[w1] < T(0)));
-    if (mask == 0) return;
-    const Instant turn = turn_between(stepper_, lanes_.motion, from, to);
-    for (; mask != 0; mask &= mask - 1) {
-      const std::size_t lane = first_lane(mask);
-      if (get_lane(turn.x[phi1], lane) >= boost::math::constants::pi<Number>())
-        copy_lane<T>(to, lane, turn, lane);
-    }
+  Number time_after(std::size_t lane, std::uint64_t step) const {
+    return owner_[lane].time_after(step, solver_.time_step);
   }
 
   /// Where the arm turns back, continues from rest, so that dry friction decides whether it moves:
@@ -272,25 +273,39 @@ class Swings {
     mask &= lanes_of((from.x[w1] * to.x[w1]) < T(0));
     if (mask == 0) return;
     Instant turn = to;
-    if constexpr (adaptive) turn = turn_between(stepper_, lanes_.motion, from, to);
+    const AngleEvent<Number> arm{false, Number(0)};
+    if constexpr (adaptive) turn = turn_between(arm, stepper_, lanes_.motion, from, to);
     turn.x[w1] = T(0);
     lanes_.motion.rates(turn.x, turn.directions, turn.dxdt);
     for (; mask != 0; mask &= mask - 1) copy_lane<T>(to, first_lane(mask), turn, first_lane(mask));
   }
 
-  /// Starts the next design in a lane, or leaves the lane idle after the last one.
+  /// Continues a swing after its lift-off in a lane or starts the next design, or leaves the lane
+  /// idle after the last one.
   void refill(std::size_t lane) {
-    if (starts_.empty())
-      starts_.refill(stepper_, next_, [&](std::uint64_t index) {
-        done_(index, Outcome<Number, E>{Status::unreachable_start, Number(0), {}, Number(0), 0});
-      });
-    if (starts_.empty()) {
-      active_ &= ~(LaneMask{1} << lane);
-      return;
+    Instant& now = now_[steps_taken_ % 2];
+    if (rule_.chooses()) copy_lane<T>(best_, lane, BestMoment<T, E>{}, 0);
+    bool continued = false;
+    if constexpr (E.trough) {
+      continued = lift_offs_.has_located();
+      if (continued) {
+        const auto [index, steps] = lift_offs_.pop(lane, lanes_, record_, now);
+        owner_[lane] = {index, steps_taken_ - steps, steps_taken_, get_lane(now.t, lane)};
+      }
     }
-    owner_[lane] = {starts_.pop(lane, lanes_, now_[steps_taken_ % 2]), steps_taken_};
-    if (recording_) copy_lane<T>(record_, lane, SwingRecord<T>(), 0);
-    next_step_check_ = std::min(next_step_check_, steps_taken_ + step_limit_);
+    if (!continued) {
+      if (starts_.empty())
+        starts_.refill(stepper_, next_, [&](std::uint64_t index, Status status) {
+          done_(index, Outcome<Number, E>{status, Number(0), {}, Number(0), 0});
+        });
+      if (starts_.empty()) {
+        active_ &= ~(LaneMask{1} << lane);
+        return;
+      }
+      owner_[lane] = {starts_.pop(lane, lanes_, now), steps_taken_, steps_taken_, Number(0)};
+      if (recording_) copy_lane<T>(record_, lane, SwingRecord<T>(), 0);
+    }
+    next_step_check_ = std::min(next_step_check_, owner_[lane].first_step + step_limit_);
     active_ |= LaneMask{1} << lane;
   }
 
@@ -316,20 +331,21 @@ class Swings {
   const Number latest_ = latest_time<Number>(solver_);
   const T shortest_step_ = std::numeric_limits<Number>::epsilon() *
                            std::max<Number>(solver_.max_time, solver_.time_step);
-  const T event_angle_ =
-      boost::math::constants::pi<Number>() -
-      Number(solver_.release == Release::window ? solver_.release_window * (1 + 1e-9) : 0);
+  const ReleaseRule<Number> rule_{solver_};
   const std::uint64_t step_limit_ = step_limit(solver_);
 
   LaneState<T, E> lanes_{};
   SwingRecord<T> record_{};
+  BestMoment<T, E> best_{};
+  T normal_force_{};              // of the trough at the end of the last step
   std::array<Instant, 2> now_{};  // the ends of the last step; which is which alternates
-  std::array<LaneOwner, lanes> owner_{};
+  std::array<LaneOwner<Number>, lanes> owner_{};
   LaneMask active_ = 0;
   std::uint64_t steps_taken_ = 0;
   std::uint64_t next_step_check_ = std::numeric_limits<std::uint64_t>::max();
 
   StartQueue<Stepper, T, E> starts_;
+  LiftOffQueue<Stepper, T, E> lift_offs_;
   ReleaseQueue<Stepper, T, E> releases_;
 };
 

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <limits>
+
+#include "trebsweep/ode/event.hpp"
+#include "trebsweep/ode/interpolation.hpp"
+#include "trebsweep/swing/flight.hpp"
+#include "trebsweep/swing/swing_record.hpp"
+
+namespace trebsweep {
+
+/// What a release at a moment of the swing is worth, and the rate of that along the swing: the
+/// range by the rule farthest, the square of the speed by the rule fastest. NaN where there is no
+/// range.
+template <class T, Effects E>
+ValueAndSlope<T> worth(Release rule, const Mechanism<T, E>& mechanism, const Instant<T, E>& at,
+                       double tolerance) {
+  const Vector<T> velocity = mechanism.velocity(at.x);
+  const Vector<T> force = mechanism.specific_force(at.x, at.dxdt);
+  // A free flight does not change its own impact: only the rest of the acceleration does.
+  if (rule == Release::farthest)
+    return range_and_slope(mechanism.scene(), mechanism.projectile(at.x), velocity, force,
+                           tolerance);
+  const Vector<T> acceleration = force + Vector<T>{T(0), T(-mechanism.scene().gravity)};
+  return {dot(velocity, velocity), T(2) * dot(velocity, acceleration)};
+}
+
+/// The number of parts of a step in which the best moment is searched for separately: adaptive
+/// methods take long steps.
+template <class Stepper>
+inline constexpr int parts_to_search = is_adaptive<Stepper> ? 4 : 1;
+
+/// The best moment of a swing so far.
+template <class T, Effects E>
+struct BestMoment {
+  T worth = -std::numeric_limits<double>::infinity();  ///< an estimate
+  /// The part of a step in which the rate of the worth falls through zero; if `low` is `high`, the
+  /// moment is at the start of the step.
+  Bracket<T, E> bracket;
+  SwingRecord<T> record;  ///< up to the start of the step
+};
+
+/// Makes `candidate` the best moment in the lanes where it is better.
+template <class T, Effects E>
+void improve(BestMoment<T, E>& best, const BestMoment<T, E>& candidate) {
+  copy_where<T>(candidate.worth > best.worth, best, candidate);
+}
+
+/// Makes an instant the best moment in the lanes where it is better.
+template <class T, Effects E>
+void try_instant(BestMoment<T, E>& best, const T& worth, const Instant<T, E>& at,
+                 const SwingRecord<T>& record) {
+  improve(best, {worth, {at, T(1), T(0), T(0), T(0), T(1)}, record});
+}
+
+/// Makes the best moment within a step the best moment in the lanes where it is better, and where
+/// it is the first of the interval, also its start. `h` (s), the length of the step, must not be
+/// zero. The motion is interpolated at the ends of `parts` parts.
+template <class T, Effects E>
+[[gnu::noinline]] void try_step_of_swing(BestMoment<T, E>& best, Release rule, int parts,
+                                         const Motion<T, E>& motion,
+                                         const Mechanism<T, E>& mechanism,
+                                         const Instant<T, E>& from, const Instant<T, E>& to,
+                                         const T& h, const SwingRecord<T>& record) {
+  // Good enough to find the part with the best moment, which is then located.
+  constexpr double tolerance = 1e-5;
+  const T none = -std::numeric_limits<double>::infinity();
+  const Quintic<T, E> between(from, to, h);
+  auto last = worth(rule, mechanism, from, tolerance);
+  try_instant(best, select(best.worth > none, none, last.value), from, record);
+  for (int i = 1; i <= parts; ++i) {
+    const Instant<T, E> at =
+        i == parts ? to : instant(motion, T(0), between(static_cast<double>(i) / parts));
+    const auto next = worth(rule, mechanism, at, tolerance);
+    const T fall = last.slope - next.slope, part = last.slope / fall;
+    const auto peaks = (last.slope > T(0)) & (next.slope <= T(0));
+    const T low = static_cast<double>(i - 1) / parts, length = 1.0 / parts;
+    // The rate falls nearly linearly.
+    const T value = last.value + T(0.5 / parts) * h * last.slope * part;
+    improve(best, {select(peaks, value, none),
+                   {from, h, low, low + length, low + length * part, fall * T(parts)},
+                   record});
+    last = next;
+  }
+}
+
+/// The instant of the best moment, located by the stepper.
+template <class Stepper, class T, Effects E>
+Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, Stepper& stepper,
+                           const Motion<T, E>& motion, const Mechanism<T, E>& mechanism) {
+  using Number = typename Lanes<T>::Number;
+  const double epsilon = static_cast<double>(std::numeric_limits<Number>::epsilon());
+  const auto located = best.bracket.low < best.bracket.high;
+  // The ends of the part come from interpolation: the root may lie slightly beyond them.
+  Bracket<T, E> bracket = best.bracket;
+  bracket.low = bracket.low - T(0.01);
+  bracket.high = bracket.high + T(0.01);
+  const auto falling = [&](const Instant<T, E>& at) {
+    const T rate = worth(rule, mechanism, at, std::max(450 * epsilon, 1e-17)).slope;
+    return select(located, T(-rate), T(0));
+  };
+  Instant<T, E> at = root_in(bracket, stepper, motion, falling, 4500 * epsilon);
+  copy_where<T>(!located, at, best.bracket.from);
+  return at;
+}
+
+/// The end of the interval within the last step, from `from` to `to`: where phi1 = 3 pi/2, where
+/// the arm turns back, or at max_time.
+template <class Stepper, class T, Effects E>
+Instant<T, E> end_of_interval(Stepper& stepper, const Motion<T, E>& motion,
+                              const Instant<T, E>& from, const Instant<T, E>& to,
+                              const T& max_time) {
+  using Number = typename Lanes<T>::Number;
+  const T h = to.t - from.t, limit = max_time - from.t;
+  const T angle = boost::math::constants::pi<Number>() * Number(1.5);
+  const auto passes = to.x[phi1] >= angle;
+  const auto turns = (from.x[w1] > T(0)) & (to.x[w1] < T(0)) & !passes;
+  const T end = select(limit < h, T(limit / h), T(1));
+  Instant<T, E> at;
+  State<T, E> error;
+  const auto beyond = [&](const T& part) {
+    advance(stepper, motion, from, T(part * h), at, error);
+    const T value =
+        select(passes, T(at.x[phi1] - angle), select(turns, T(-at.x[w1]), T(part - end)));
+    const T slope = select(passes, at.x[w1], select(turns, T(-at.dxdt[w1]), T(T(1) / h)));
+    return ValueAndSlope<T>{value, h * slope};
+  };
+  const T turn = from.x[w1] / select(turns, T(from.x[w1] - to.x[w1]), T(1));
+  find_root(beyond, T(0), T(1), select(turns, turn, select(passes, T(0.5), end)),
+            T(4500 * std::numeric_limits<Number>::epsilon()));
+  return at;
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "trebsweep/ode/event.hpp"
+#include "trebsweep/swing/lane_state.hpp"
+#include "trebsweep/swing/swing_record.hpp"
+
+namespace trebsweep {
+
+/// Swings whose last step contains the lift-off. They wait until they fill a pack, so that root
+/// finding is for all lanes at once, and then until lanes are free to continue them.
+template <class Stepper, class T, Effects E>
+class LiftOffQueue {
+ public:
+  LiftOffQueue(const Solver& solver, const RecordRequest& request)
+      : tolerance_(solver.tolerance), request_(request) {}
+
+  bool full() const { return waiting_.size == lanes; }
+  bool empty() const { return waiting_.size == 0 && located_.empty(); }
+  bool has_located() const { return !located_.empty(); }
+
+  /// Adds the swing in a lane, which has taken `steps`, the last one from `from` to `to`.
+  void push(std::size_t lane, std::uint64_t index, std::uint64_t steps,
+            const LaneState<T, E>& state, const SwingRecord<T>& record, const Instant<T, E>& from,
+            const Instant<T, E>& to) {
+    auto& [swings, indices, all_steps, size] = waiting_;
+    copy_lane<T>(swings.state, size, state, lane);
+    copy_lane<T>(swings.record, size, record, lane);
+    copy_lane<T>(swings.from, size, from, lane);
+    copy_lane<T>(swings.to, size, to, lane);
+    indices[size] = index;
+    all_steps[size] = steps;
+    ++size;
+  }
+
+  /// Locates the lift-offs of all swings that wait, and calls observe(from, to) with the ends of
+  /// their last steps, which end there.
+  template <class Observe>
+  [[gnu::noinline]] void locate(Stepper& stepper, const Scene& scene, Observe observe) {
+    if (waiting_.size == 0) return;
+    for (std::size_t lane = waiting_.size; lane < lanes; ++lane)
+      copy_lane<T>(waiting_.swings, lane, waiting_.swings, 0);
+    auto& [state, record, from, to] = waiting_.swings;
+    to = lift_off_between(stepper, state.motion, from, to);
+    if (request_.any()) {
+      const Mechanism<T, E> mechanism(scene, state.design);
+      record = record_step(record, request_, stepper, tolerance_, state.motion, mechanism, from, to,
+                           T(to.t - from.t));
+    }
+    record.lift_off_time = to.t;
+    observe(from, to);
+    state.motion.set_sliding(T(0));
+    state.motion.rates(to.x, to.directions, to.dxdt);
+    located_.push_back(waiting_);
+    waiting_.size = 0;
+  }
+
+  /// A swing that continues in a lane.
+  struct Continued {
+    std::uint64_t index, steps;
+  };
+
+  /// Moves a swing whose lift-off is located to a lane.
+  Continued pop(std::size_t lane, LaneState<T, E>& state, SwingRecord<T>& record,
+                Instant<T, E>& now) {
+    Swings& last = located_.back();
+    const std::size_t i = --last.size;
+    copy_lane<T>(state, lane, last.swings.state, i);
+    copy_lane<T>(record, lane, last.swings.record, i);
+    copy_lane<T>(now, lane, last.swings.to, i);
+    const Continued swing{last.indices[i], last.steps[i]};
+    if (i == 0) located_.pop_back();
+    return swing;
+  }
+
+ private:
+  static constexpr std::size_t lanes = Lanes<T>::count;
+
+  struct Pending {
+    LaneState<T, E> state;
+    SwingRecord<T> record;
+    Instant<T, E> from, to;
+  };
+  struct Swings {
+    Pending swings{};
+    std::array<std::uint64_t, lanes> indices{}, steps{};
+    std::size_t size = 0;
+  };
+
+  double tolerance_;
+  RecordRequest request_;
+  Swings waiting_;
+  std::vector<Swings> located_;
+};
+
+}  // namespace trebsweep
