@@ -53,13 +53,14 @@ struct FlightEquations {
     return rates;
   }
 
-  /// A time over which the motion changes appreciably, s.
+  /// A time over which the speed through the air changes appreciably, s; never zero in flight.
   template <std::size_t N>
   T time_scale(const FlightState<T, N>& s) const {
     using std::sqrt;
-    const T height = s[1], vx = s[2], vy = s[3], ux = vx - wind;
-    const T speed = sqrt(T(vx * vx + vy * vy)) + sqrt(T(gravity * height));
-    return speed / T(gravity + drag * T(ux * ux + vy * vy));
+    const T vx = s[2], vy = s[3], ux = vx - wind;
+    const T air_speed = sqrt(T(ux * ux + vy * vy));
+    const T speed = sqrt(T(vx * vx + vy * vy)) + sqrt(T(gravity * s[1]));
+    return T(air_speed + T(1e-4) * speed) / T(gravity + drag * air_speed * air_speed);
   }
 };
 
@@ -156,7 +157,12 @@ void fly_until_zero(const Scene& scene, std::size_t i, double tolerance, FlightI
     flies = flies & !falls;
     at.time = select(proceeds, T(at.time + h), at.time);
     for (std::size_t j = 0; j < N; ++j) at.s[j] = select(proceeds, to[j], at.s[j]);
-    h = select(flies, T(h * step_factor(ErrorRatio<T>{error, T(tolerance)}, 7)), h);
+    T next = h * step_factor(ErrorRatio<T>{error, T(tolerance)}, 7);
+    if (i == 3) {  // |u| u may turn sharply at the apex, between the stages of a long step
+      const T limit = T(0.5) * equations.time_scale(at.s);
+      next = select(next < limit, next, limit);
+    }
+    h = select(flies, next, h);
   }
   set_nan(flies, at);
   fly_to_zero(equations, i, T(select(flies, T(0), h)), fall, 0.1 * std::sqrt(tolerance), at);
