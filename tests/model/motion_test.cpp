@@ -82,6 +82,12 @@ void require_lagrange(const Sample<E>& sample, const State<double, E>& dxdt, dou
   }
 }
 
+template <Effects E>
+void set_to_rest(Sample<E>& sample) {
+  for (std::size_t k = 0; k < sample.x.size(); ++k)
+    if (is_rate(k)) sample.x[k] = 0;
+}
+
 }  // namespace
 
 TEST_CASE("The equations of motion are those of the Lagrangian for every combination of effects") {
@@ -119,7 +125,8 @@ TEST_CASE("After lift-off the machine moves as one without a trough, bit for bit
       constexpr Effects without{E.pivot, E.elastic, E.hanger, false};
       std::mt19937 random(20100103);
       for (int i = 0; i < 1000; ++i) {
-        const auto sample = random_sample<E>(random);
+        auto sample = random_sample<E>(random);
+        if (i % 4 == 0) set_to_rest(sample);
         auto lifted = motion(sample);
         REQUIRE(lifted.sliding() == 1);
         lifted.set_sliding(0);
@@ -128,7 +135,7 @@ TEST_CASE("After lift-off the machine moves as one without a trough, bit for bit
         Motion<double, without>(sample.scene, sample.design)(sample.x, expected, 0);
         REQUIRE(dxdt == expected);
         REQUIRE(lifted.normal_force(sample.x, directions<E>(sample.x)) == 0);
-        require_lagrange(sample, dxdt, 0);
+        if (sample.x[w1] != 0) require_lagrange(sample, dxdt, 0);
       }
     }
   });
@@ -138,7 +145,11 @@ TEST_CASE("In units of h, rates are multiplied by h, accelerations and normal fo
   for_all_effects([]<Effects E>() {
     std::mt19937 random(20100104);
     for (int i = 0; i < 100; ++i) {
-      const auto sample = random_sample<E>(random);
+      auto sample = random_sample<E>(random);
+      if (i % 2 == 0) {  // held by friction, if there is any
+        set_to_rest(sample);
+        sample.scene.pivot_friction = 1e6;
+      }
       const double h = 0x1p-6;  // multiplies without rounding
       auto x = sample.x;
       for (std::size_t k = 0; k < x.size(); ++k)

@@ -124,8 +124,8 @@ class Motion {
     }
   }
 
-  /// The force of the trough on the projectile, N; negative where only a pull would keep the
-  /// projectile in the trough, and zero after lift-off.
+  /// The force of the trough on the projectile, N (times h^2 for a motion in units of h); negative
+  /// where only a pull would keep the projectile in the trough, and zero after lift-off.
   T normal_force(StateOf<T> x, DirectionsOf<T> at) const {
     if constexpr (E.trough)
       return trough_.mass * rigid_accelerations<T>(x, at).normal;
