@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/model/start.hpp"
 #include "trebsweep/ode/any_stepper.hpp"
 #include "trebsweep/swing/swing.hpp"
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "trebsweep/model/start.hpp"
 #include "trebsweep/swing/kernel.hpp"
 #include "trebsweep/swing/spectrum.hpp"
 #include "trebsweep/swing/swing.hpp"

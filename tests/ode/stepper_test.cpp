@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "trebsweep/model/start.hpp"
 #include "trebsweep/ode/steppers.hpp"
 
 using namespace trebsweep;

@@ -8,6 +8,7 @@
 #include "trebsweep/job/config_file.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/job/sample.hpp"
+#include "trebsweep/model/start.hpp"
 #include "trebsweep/ode/steppers.hpp"
 #include "trebsweep/swing/integrate.hpp"
 #include "trebsweep/swing/spectrum.hpp"

@@ -6,6 +6,7 @@
 
 #include "support/catch.hpp"
 #include "support/paper_solver.hpp"
+#include "trebsweep/model/start.hpp"
 #include "trebsweep/ode/stepper.hpp"
 #include "trebsweep/swing/reference.hpp"
 #include "trebsweep/swing/swing.hpp"

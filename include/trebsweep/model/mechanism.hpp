@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -19,18 +18,6 @@ struct Vector {
   friend T dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y; }
 };
 
-/// The height of the hinge, or of a fixed counterweight, above the fulcrum at the start, m: h - h0,
-/// plus the length of a hanger.
-inline double start_height(const Scene& scene) {
-  return scene.release_height - scene.fulcrum_height + scene.counterweight_hanger;
-}
-
-/// Whether the counterweight's arm reaches the start height: r1 >= |h - h0| (39).
-inline bool start_is_reachable(const Scene& scene, double r1) {
-  // Tolerates the rounding of h - h0: an arm of exactly that length starts upright.
-  return scene.start_angle || r1 * (1 + 1e-12) >= std::abs(start_height(scene));
-}
-
 /// Effective masses of projectile and sling, kg. The velocity of the sling is linear along its
 /// length, so that its whole mass moves with the arm's tip (M), half of it couples the motions of
 /// tip and projectile (M1), and a third swings about the tip (M2).
@@ -41,54 +28,6 @@ struct SlingMasses {
         swinging(scene.projectile_mass + scene.sling_mass / 3) {}
   double all, coupling, swinging;  // M, M1, M2
 };
-
-/// phi1(0), rad (39). Requires start_is_reachable().
-template <class T>
-T start_angle(const Scene& scene, const T& r1) {
-  using std::atan2;
-  using std::sqrt;
-  if (scene.start_angle) return T(*scene.start_angle);
-  const T height = start_height(scene);
-  // arccos(height / r1) without cancellation near the unstable upright equilibrium.
-  const T square = T(r1 - height) * T(r1 + height);
-  return atan2(T(sqrt(select(square > T(0), square, T(0)))), height);
-}
-
-/// The height of the arm's tip above the trough at the start, m.
-template <class T>
-T start_above_trough(const Scene& scene, const Design<T>& design) {
-  return T(scene.fulcrum_height - scene.trough_height) -
-         design.r2 * sin_cos(start_angle(scene, design.r1)).cos;
-}
-
-/// Whether the sling reaches the trough at the start, if there is one.
-inline bool sling_reaches_trough(const Scene& scene, const Design<double>& design) {
-  return !scene.trough || std::abs(start_above_trough(scene, design)) <= design.r3;
-}
-
-/// The initial state: at rest, with the counterweight at height h (39) or the arm at start_angle, a
-/// hanger that hangs down, and a sling at its initial angle, or taut from the arm's tip to the
-/// trough. An elastic sling is stretched by the weight it carries. Requires start_is_reachable()
-/// and sling_reaches_trough().
-template <class T, Effects E = Effects{}>
-State<T, E> start(const Scene& scene, const Design<T>& design) {
-  using std::atan2;
-  using std::sqrt;
-  const T zero(0), angle = start_angle(scene, design.r1);
-  if constexpr (E.elastic) {
-    const double load =
-        SlingMasses(scene).coupling * scene.gravity * std::max(0.0, std::cos(scene.sling_angle));
-    const T l = design.r3 + T(load / scene.sling_stiffness);
-    return {angle, T(scene.sling_angle), zero, zero, l, zero};
-  } else if constexpr (E.trough) {
-    const T height = start_above_trough(scene, design);
-    const T square = T(design.r3 - height) * T(design.r3 + height);
-    const T across = sqrt(select(square > zero, square, zero));
-    return {angle, T(-atan2(across, height)), zero, zero};
-  } else {
-    return {angle, T(scene.sling_angle), zero, zero};
-  }
-}
 
 /// Tension of an elastic sling, N, for a stretch (m) and its rate (m/s); never negative.
 template <class T>

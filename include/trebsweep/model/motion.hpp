@@ -124,8 +124,8 @@ class Motion {
     }
   }
 
-  /// The force of the trough on the projectile, N; negative where only a pull would keep the
-  /// projectile in the trough, and zero after lift-off.
+  /// The force of the trough on the projectile, N (times h^2 for a motion in units of h); negative
+  /// where only a pull would keep the projectile in the trough, and zero after lift-off.
   T normal_force(StateOf<T> x, DirectionsOf<T> at) const {
     if constexpr (E.trough)
       return trough_.mass * rigid_accelerations<T>(x, at).normal;
@@ -164,8 +164,16 @@ class Motion {
       inertia = inertia + hanger_.inertia * X(e.sin * e.sin);
     }
     const X per_inertia = X(1) / inertia;
-    const X weight = g_r2_ * at[sin2];
-    const X gravity = torque_ * at[sin1] + weight * cosD;
+    // In the trough, the weights are those under N = M1 g, the force on a projectile at rest: dry
+    // friction then holds the beam without rounding errors, which it would amplify.
+    T g_r2 = g_r2_, arm_torque = torque_;
+    if constexpr (E.trough) {
+      g_r2 = select(trough_.sliding > T(0), T(0), g_r2_);
+      arm_torque =
+          select(trough_.sliding > T(0), T(torque_ + trough_.g * trough_.per_arm), torque_);
+    }
+    const X weight = g_r2 * at[sin2];
+    const X gravity = arm_torque * at[sin1] + weight * cosD;
     const X w1w1 = x[w1] * x[w1];
     const X whirl = w1w1 * cosD + X(sling_.r3_r2 * x[w2]) * x[w2];
     X torque = gravity - sinD * whirl;
@@ -173,27 +181,21 @@ class Motion {
       const X pull = X(hanger_.g_r1 * at[cos3] - w1w1 * e.cos) + X(hanger_.r4_r1 * x[w3]) * x[w3];
       torque = torque + hanger_.inertia * X(e.sin * pull);
     }
-    const X across = w1w1 * sinD - weight;
+    result.first = with_friction(torque, x[w1]) * per_inertia;
+    result.second = X(X(w1w1 * sinD - weight) - result.first * cosD) * sling_.r2_r3;
     if constexpr (E.trough) {
-      // The accelerations per N/M1.
+      // The accelerations per N/M1, and what y3'' = 0 adds to N/M1.
       const X lever = trough_.per_r2 * at[sin2];
-      const X lift = trough_.per_arm * at[sin1] - lever * cosD;
-      const X first = lift * per_inertia, second = X(lever - first * cosD) * sling_.r2_r3;
-      // At rest, dry friction opposes the torque on a beam whose projectile lies in the trough.
-      const X carried = torque + trough_.g * lift;
-      const X decisive = select(trough_.sliding > T(0), carried, torque);
-      result.first = with_friction(torque, x[w1], decisive) * per_inertia;
-      result.second = X(across - result.first * cosD) * sling_.r2_r3;
+      const X first = X(trough_.per_arm * at[sin1] - lever * cosD) * per_inertia;
+      const X second = X(lever - first * cosD) * sling_.r2_r3;
       const X rise1 = trough_.r2 * at[sin1], rise2 = trough_.r3 * at[sin2];
       const X falling = X(trough_.r2 * at[cos1]) * w1w1 + X(trough_.r3 * at[cos2]) * x[w2] * x[w2];
       const X rise = X(rise1 * result.first + rise2 * result.second) + falling;
       const X constrained = X(0) - rise / X(rise1 * first + rise2 * second);
-      result.normal = select(trough_.sliding > T(0), constrained, X(0));
-      result.first = result.first + result.normal * first;
-      result.second = result.second + result.normal * second;
-    } else {
-      result.first = with_friction(torque, x[w1], torque) * per_inertia;
-      result.second = X(across - result.first * cosD) * sling_.r2_r3;
+      const X added = select(trough_.sliding > T(0), constrained, X(0));
+      result.first = result.first + added * first;
+      result.second = result.second + added * second;
+      result.normal = select(trough_.sliding > T(0), X(trough_.g + added), X(0));
     }
     if constexpr (E.hanger)
       result.third =
@@ -211,7 +213,7 @@ class Motion {
     const X tension = elastic_tension(X(x[length] - sling_.r3), x[stretching], X(sling_.stiffness),
                                       X(sling_.damping));
     const X torque = torque_ * at[sin1] - sling_.arm_inertia * tension * sinD;
-    const X acceleration1 = with_friction(torque, x[w1], torque);
+    const X acceleration1 = with_friction(torque, x[w1]);
     const X across = X(w1w1 * sinD - weight) - acceleration1 * cosD;
     const X along = g_r2_ * at[cos2] + X(w1w1 * cosD + acceleration1 * sinD);
     const X twice = X(2) * x[stretching];
@@ -229,14 +231,14 @@ class Motion {
   }
 
   /// A torque reduced by the pivot's friction. Dry friction opposes the rotation and, at rest, the
-  /// torque `at_rest` up to its magnitude.
+  /// torque itself up to its magnitude.
   template <class X>
-  X with_friction(const X& torque, const X& rate, const X& at_rest) const {
+  X with_friction(const X& torque, const X& rate) const {
     if constexpr (E.pivot) {
       const X viscous = torque - pivot_.viscosity * rate;
       // The sign of the rate decides, unless the rate is below what the torque causes in 1 ns:
       // fehlberg78 has stages that return to a start at rest up to rounding errors.
-      const X driving = X(pivot_.start) * rate + X(at_rest - pivot_.viscosity * rate);
+      const X driving = X(pivot_.start) * rate + viscous;
       const X most(pivot_.friction), least(-pivot_.friction);
       const X dry = select(driving < most, select(driving > least, driving, least), most);
       return viscous - dry;

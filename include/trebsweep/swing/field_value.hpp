@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "trebsweep/model/mechanism.hpp"
+#include "trebsweep/model/start.hpp"
 #include "trebsweep/swing/field.hpp"
 #include "trebsweep/swing/flight.hpp"
 #include "trebsweep/swing/swing_record.hpp"

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "trebsweep/model/start.hpp"
 #include "trebsweep/swing/lane_state.hpp"
 
 namespace trebsweep {
