@@ -7,6 +7,7 @@
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/model/start.hpp"
 #include "trebsweep/ode/any_stepper.hpp"
+#include "trebsweep/swing/load_samples.hpp"
 #include "trebsweep/swing/swing.hpp"
 
 namespace trebsweep {
@@ -27,12 +28,12 @@ void print_header(const Job& job, std::FILE* out) {
 }
 
 template <Effects E>
-void print_row(const Mechanism<double, E>& mechanism, const Instant<double, E>& at,
-               std::FILE* out) {
+void print_row(const Motion<double, E>& motion, const Mechanism<double, E>& mechanism,
+               const Instant<double, E>& at, std::FILE* out) {
   const auto counterweight = mechanism.counterweight(at.x);
   const auto tip = mechanism.arm_tip(at.x);
   const auto projectile = mechanism.projectile(at.x);
-  const auto loads = mechanism.loads(at.x, at.dxdt);
+  const auto loads = loads_at(motion, mechanism, at);
   fmt::print(out,
              "{:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} "
              "{:.10g} {:.10g} {:.12g} {:.10g} {:.10g} {:.10g} {:.10g}\n",
@@ -73,7 +74,7 @@ class Printer {
   double due() const { return static_cast<double>(row_) * *interval_; }
 
   void print(const Instant<double, E>& at) {
-    print_row(mechanism_, at, out_);
+    print_row(motion_, mechanism_, at, out_);
     printed_ = at.t;
     ++row_;
   }

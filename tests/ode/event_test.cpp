@@ -19,8 +19,12 @@ struct Step {
     advance(stepper, motion, from, h, to, error);
   }
 
-  Instant<double> release() { return release_between(stepper, motion, from, to); }
-  Instant<double> turn() { return turn_between(stepper, motion, from, to); }
+  Instant<double> release() {
+    return event_between(end_event<double>(Solver{}), stepper, motion, from, to);
+  }
+  Instant<double> turn() {
+    return turn_between(end_event<double>(Solver{}), stepper, motion, from, to);
+  }
 };
 
 }  // namespace

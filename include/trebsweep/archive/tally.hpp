@@ -49,11 +49,12 @@ inline constexpr auto tally_columns = [] {
   constexpr std::array<std::string_view, 7> rest{
       "steps",     "lane_steps",          "best_speed",   "best_release_time",
       "best_cell", "integration_seconds", "sweep_seconds"};
-  constexpr std::array<std::string_view, 8> first_cells{
+  constexpr std::array<std::string_view, 10> first_cells{
       "first_outside_lattice", "first_released",
       "first_not_released",    "first_unreachable_start",
       "first_step_budget",     "first_step_underflow",
-      "first_non_finite",      "first_released_below_ground"};
+      "first_non_finite",      "first_released_below_ground",
+      "first_never_lifted",    "first_sling_too_short"};
   static_assert(first_cells.size() == status_names.size());
   std::array<std::string_view, status_names.size() + rest.size() + first_cells.size()> columns;
   auto end = std::copy(status_names.begin(), status_names.end(), columns.begin());

@@ -200,7 +200,7 @@ class Mechanism {
   /// force on the projectile, N. The stress 6 M/s^3 is that of a uniform square section (flexure
   /// formula, Gere and Goodno, Mechanics of Materials) under the bending moment M of sling, weight
   /// and inertia of the throwing arm at the fulcrum.
-  Loads<T> loads(const X& x, const X& dxdt, const T& normal = T(0)) const {
+  Loads<T> loads(const X& x, const X& dxdt, const T& normal) const {
     using std::sqrt;
     const auto& [r1, r3, r2] = design_;
     const T m1(scene_.counterweight_mass), m3(scene_.projectile_mass), ms(scene_.sling_mass);
@@ -232,6 +232,11 @@ class Mechanism {
     else
       loads.hanger_tension = T(0);
     return loads;
+  }
+
+  /// The same without a trough.
+  Loads<T> loads(const X& x, const X& dxdt) const requires(!E.trough) {
+    return loads(x, dxdt, T(0));
   }
 
   const Scene& scene() const { return scene_; }

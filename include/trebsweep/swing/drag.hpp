@@ -116,7 +116,7 @@ void set_nan(const Mask& lanes, FlightInstant<T, N>& at) {
 }
 
 /// Proceeds to the zero of coordinate i within a step of length h, which changes it by -fall. It is
-/// located as in release_between(): root finding, and then an extrapolation over less than
+/// located as in event_between(): root finding, and then an extrapolation over less than
 /// `precision` of the step. Lanes whose h is zero remain unchanged.
 template <class T, std::size_t N>
 void fly_to_zero(const FlightEquations<T>& equations, std::size_t i, const T& h, const T& fall,

@@ -276,6 +276,8 @@ class Swings {
     const AngleEvent<Number> arm{false, Number(0)};
     if constexpr (adaptive) turn = turn_between(arm, stepper_, lanes_.motion, from, to);
     turn.x[w1] = T(0);
+    // In the trough, an arm at rest holds the sling.
+    if constexpr (E.trough) turn.x[w2] = select(lanes_.motion.sliding() > T(0), T(0), turn.x[w2]);
     lanes_.motion.rates(turn.x, turn.directions, turn.dxdt);
     for (; mask != 0; mask &= mask - 1) copy_lane<T>(to, first_lane(mask), turn, first_lane(mask));
   }
