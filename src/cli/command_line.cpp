@@ -122,6 +122,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   line.file = file_of(command, given);
   line.overrides = overrides_of(given);
   line.overwrite = given.count("overwrite") > 0;
+  line.flight = given.count("flight") > 0;
   line.verify = given.count("verify") > 0;
   if (given.count("progress")) line.progress = to_progress(text_of(given, "progress"));
   if (given.count("time-limit"))

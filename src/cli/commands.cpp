@@ -45,8 +45,11 @@ void print_stopped(const Summary& summary, bool overwrite) {
 
 void run_trace(const CommandLine& line) {
   const Job job = load_job(line.file, line.overrides);
-  const Status status = trace(job, line.design, line.interval, stdout);
-  if (status != Status::released)
+  const auto print = line.flight ? trace_flight : trace;
+  const Status status = print(job, line.design, line.interval, stdout);
+  if (status == Status::released_below_ground)
+    fmt::print(stderr, "there is no flight: {}\n", name_of(status));
+  else if (status != Status::released)
     fmt::print(stderr, "the swing ends without a release: {}\n", name_of(status));
 }
 

@@ -27,15 +27,19 @@ const char* const trace_help =
     R"(Usage: trebsweep trace JOB --r1 NUMBER --r2 NUMBER --r3 NUMBER [options]
 
 Integrates one design from rest to its release and prints the swing as a table
-to stdout: comment lines (#) with the gravity, the height of the fulcrum and the
-release condition, then a header and a row per time. Positions are relative to
-the fulcrum. The columns are
+to stdout: comment lines (#) with the heights of fulcrum and trough, the release
+rule and the times of lift-off and release, then a header and a row per time.
+Positions are relative to the fulcrum. The columns are
   t            time, s
   phi1         angle of the counterweight arm from the upward vertical,
                clockwise, rad
   phi2         angle of the sling from the downward vertical, clockwise, rad
   w1 w2        angular velocities of phi1 and phi2, rad/s
+  phi3 w3      with a hanger: its angle from the downward vertical, clockwise,
+               rad, and its angular velocity, rad/s
   x1 y1        position of the counterweight, m
+  xh yh        with a hanger: position of its hinge at the end of the
+               counterweight arm, m
   xt yt        position of the tip of the throwing arm, m
   x3 y3        position of the projectile, m
   speed        speed of the projectile, m/s
@@ -45,7 +49,17 @@ the fulcrum. The columns are
   tip_tension  force of the sling on the tip of the throwing arm, N; differs from
                tension if the sling has mass
   axle         force on the axle, N
-  stress       magnitude of the bending stress at the fulcrum, Pa
+  stress       magnitude of the bending stress at the fulcrum, Pa; left out if the
+               cross-section of the beam is not known
+  hanger_tension  with a hanger: force on the counterweight, N
+  normal       with a trough: its force on the projectile, N; 0 after the lift-off
+
+With --flight, prints the flight from the release to the ground instead. The
+columns are
+  t            time since the start of the swing, s
+  x3 y3        position of the projectile, m
+  vx vy        horizontal and vertical velocity of the projectile, m/s
+  speed        speed of the projectile, m/s
 
 )";
 
@@ -83,7 +97,8 @@ Usage:
   trebsweep sweep JOB [options]   integrate every design of a lattice and write
                                   maps of the results to an HDF5 archive
   trebsweep trace JOB --r1 NUMBER --r2 NUMBER --r3 NUMBER [options]
-                                  print the swing of one design as a table
+                                  print the swing of one design as a table, or
+                                  with --flight the flight after it
   trebsweep assess JOB [options]  measure the error, run time and stability of
                                   the steppers (integration methods)
   trebsweep info FILE [--verify]  describe an archive, or verify its checksums

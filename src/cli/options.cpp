@@ -52,7 +52,9 @@ po::options_description command_options(Command command) {
       add("r2", text("NUMBER"), "length of the throwing arm, m (required)");
       add("r3", text("NUMBER"), "length of the sling, m (required)");
       add("interval", text("NUMBER"),
-          "time between rows, s (default: every step of a fixed-step stepper, 0.01 s otherwise)");
+          "time between rows, s (default: every step of a fixed-step stepper, 0.01 s otherwise and "
+          "for --flight)");
+      add("flight", "print the flight from the release to the ground instead of the swing");
       break;
     case Command::info:
       add("verify", "compare every tile that is done with its checksum");

@@ -1,12 +1,19 @@
 #include "trebsweep/cli/trace.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
+#include <ranges>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/model/start.hpp"
 #include "trebsweep/ode/any_stepper.hpp"
+#include "trebsweep/swing/flight.hpp"
 #include "trebsweep/swing/load_samples.hpp"
 #include "trebsweep/swing/swing.hpp"
 
@@ -15,32 +22,120 @@ namespace {
 
 constexpr double default_interval = 0.01;
 constexpr double max_rows = 1e7;
+constexpr double flight_tolerance = 1e-13;
 
-/// analysis/trajectory.py takes the ground and the flight from the comments.
-void print_header(const Job& job, std::FILE* out) {
+void check_start(const Scene& scene, const Design<double>& design) {
+  if (!start_is_reachable(scene, design.r1))
+    refuse("r1", fmt::format("{}", design.r1),
+           fmt::format("at least |{}| = {:.6g} m, to hold the counterweight at its height",
+                       scene.counterweight_hanger > 0 ? "h - h0 + r4" : "h - h0",
+                       std::abs(start_height(scene))));
+  if (!sling_reaches_trough(scene, design))
+    refuse("r3", fmt::format("{}", design.r3),
+           fmt::format("at least {:.6g} m, to reach the trough from the tip of the throwing arm",
+                       std::abs(start_above_trough(scene, design))));
+}
+
+/// Refuses an interval that makes too many rows over a duration (s), named for the message.
+void check_interval(std::optional<double> interval, double duration, std::string_view name) {
+  const double shortest = duration / max_rows;
+  if (interval && *interval < shortest)
+    refuse(
+        "interval", fmt::format("{}", *interval),
+        fmt::format("at least {:g} s, which makes {:g} rows up to {}", shortest, max_rows, name));
+}
+
+/// A swing that is traced: how it ends, and when the projectile leaves the trough, if it does (s).
+template <Effects E>
+struct TracedSwing {
+  Outcome<double, E> outcome;
+  std::optional<double> lift_off;
+};
+
+/// Integrates the swing. `fields` may hold one field.
+template <Effects E>
+TracedSwing<E> find_events(const Job& job, const Design<double>& design,
+                           std::span<const Field> fields) {
+  const Motion<double, E> sliding(job.scene, design);
+  const double weight = job.scene.projectile_mass * job.scene.gravity;
+  std::optional<double> lift_off;
+  // The last step in the trough ends with the lift-off, where the normal force is zero up to the
+  // precision of root finding.
+  const auto observe = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
+    const double before = sliding.normal_force(from.x, from.directions);
+    const double force = sliding.normal_force(to.x, to.directions);
+    if (!lift_off && force <= 1e-6 * (weight + std::abs(before))) lift_off = to.t;
+  };
+  double value = 0;
+  const auto outcome =
+      swing<E>(job.scene, design, job.solver, E.trough ? Observer<E>(observe) : Observer<E>(),
+               fields, {&value, fields.size()});
+  return {outcome, lift_off};
+}
+
+/// The comments above the header, from which analysis/trajectory.py draws ground, trough, lift-off
+/// and release.
+template <Effects E>
+void print_comments(const Job& job, const TracedSwing<E>& swing, std::FILE* out) {
+  const Scene& scene = job.scene;
   const Solver& solver = job.solver;
-  fmt::print(out, "# gravity = {}\n# fulcrum-height = {}\n# release = {}\n", job.scene.gravity,
-             job.scene.fulcrum_height, release_names[static_cast<std::size_t>(solver.release)]);
+  fmt::print(out, "# fulcrum-height = {}\n", scene.fulcrum_height);
+  if (scene.trough) fmt::print(out, "# trough-height = {}\n", scene.trough_height);
+  fmt::print(out, "# release = {}\n", release_names[static_cast<std::size_t>(solver.release)]);
+  if (solver.release == Release::crossing)
+    fmt::print(out, "# release-angle = {}\n", solver.release_angle);
   if (solver.release == Release::window)
     fmt::print(out, "# release-window = {}\n", solver.release_window);
-  fmt::print(out,
-             "t phi1 phi2 w1 w2 x1 y1 xt yt x3 y3 speed energy tension tip_tension axle stress\n");
+  if (solver.release == Release::pin)
+    fmt::print(out, "# pin-angle = {}\n", solver.pin_angle.value());
+  if (swing.lift_off) fmt::print(out, "# lift-off-time = {:.12g}\n", *swing.lift_off);
+  if (has_speed(swing.outcome.status))
+    fmt::print(out, "# release-time = {:.12g}\n", swing.outcome.t);
+}
+
+/// The names and values of a row, from left to right.
+using Row = std::vector<std::pair<std::string_view, double>>;
+
+void print_header(const Row& row, std::FILE* out) {
+  fmt::print(out, "{}\n", fmt::join(row | std::views::keys, " "));
+}
+
+void print_values(const Row& row, std::FILE* out) {
+  fmt::print(out, "{:.12g}\n", fmt::join(row | std::views::values, " "));
 }
 
 template <Effects E>
-void print_row(const Motion<double, E>& motion, const Mechanism<double, E>& mechanism,
-               const Instant<double, E>& at, std::FILE* out) {
-  const auto counterweight = mechanism.counterweight(at.x);
-  const auto tip = mechanism.arm_tip(at.x);
-  const auto projectile = mechanism.projectile(at.x);
+Row swing_row(const Motion<double, E>& motion, const Mechanism<double, E>& mechanism,
+              const Instant<double, E>& at) {
+  const Scene& scene = mechanism.scene();
+  const auto& [t, x, directions, dxdt] = at;
   const auto loads = loads_at(motion, mechanism, at);
-  fmt::print(out,
-             "{:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} {:.10g} "
-             "{:.10g} {:.10g} {:.12g} {:.10g} {:.10g} {:.10g} {:.10g}\n",
-             at.t, at.x[phi1], at.x[phi2], at.x[w1], at.x[w2], counterweight.x, counterweight.y,
-             tip.x, tip.y, projectile.x, projectile.y, mechanism.speed(at.x),
-             mechanism.energy(at.x), loads.projectile_tension, loads.tip_tension, loads.axle,
-             std::abs(loads.beam_stress));
+  Row row{{"t", t}, {"phi1", x[phi1]}, {"phi2", x[phi2]}, {"w1", x[w1]}, {"w2", x[w2]}};
+  const auto add = [&](std::string_view name, double value) { row.emplace_back(name, value); };
+  const auto add_point = [&](std::string_view name_x, std::string_view name_y,
+                             const Vector<double>& point) {
+    add(name_x, point.x);
+    add(name_y, point.y);
+  };
+  if constexpr (E.hanger) {
+    add("phi3", x[phi3]);
+    add("w3", x[w3]);
+  }
+  const Vector<double> tip = mechanism.arm_tip(x);
+  add_point("x1", "y1", mechanism.counterweight(x));
+  if constexpr (E.hanger)
+    add_point("xh", "yh", -mechanism.design().r1 / mechanism.design().r2 * tip);
+  add_point("xt", "yt", tip);
+  add_point("x3", "y3", mechanism.projectile(x));
+  add("speed", mechanism.speed(x));
+  add("energy", mechanism.energy(x));
+  add("tension", loads.projectile_tension);
+  add("tip_tension", loads.tip_tension);
+  add("axle", loads.axle);
+  if (!scene.beam_mass && scene.beam_side > 0) add("stress", std::abs(loads.beam_stress));
+  if constexpr (E.hanger) add("hanger_tension", loads.hanger_tension);
+  if constexpr (E.trough) add("normal", motion.normal_force(x, directions));
+  return row;
 }
 
 /// An observer that prints the rows within each step.
@@ -48,14 +143,16 @@ template <Effects E>
 class Printer {
  public:
   Printer(const Job& job, const Design<double>& design, std::optional<double> interval,
-          std::FILE* out)
+          std::optional<double> lift_off, std::FILE* out)
       : motion_(job.scene, design),
         mechanism_(job.scene, design),
         advance_(make_advance<double, E>(job.solver)),
         interval_(interval),
+        lift_off_(lift_off),
         out_(out) {}
 
   void operator()(const Instant<double, E>& from, const Instant<double, E>& to) {
+    continue_from(from.t);
     if (row_ == 0) print(from);
     if (!interval_) return print(to);
     // A row at the end of a step, up to rounding, is the end of the step.
@@ -66,15 +163,21 @@ class Printer {
 
   /// Prints the end of the swing, unless the last row is there.
   void finish(const Outcome<double, E>& outcome) {
-    if (row_ > 0 && outcome.t <= printed_) return;
+    if (row_ > 0 && (outcome.t <= printed_ || !std::isfinite(outcome.t))) return;
+    continue_from(outcome.t);
     print(instant(motion_, outcome.t, outcome.x));
   }
 
  private:
   double due() const { return static_cast<double>(row_) * *interval_; }
 
+  /// Selects the motion, in the trough or free, after a time (s).
+  void continue_from(double t) { motion_.set_sliding(lift_off_ && t >= *lift_off_ ? 0 : 1); }
+
   void print(const Instant<double, E>& at) {
-    print_row(motion_, mechanism_, at, out_);
+    const Row row = swing_row(motion_, mechanism_, at);
+    if (row_ == 0) print_header(row, out_);
+    print_values(row, out_);
     printed_ = at.t;
     ++row_;
   }
@@ -82,32 +185,73 @@ class Printer {
   Motion<double, E> motion_;
   Mechanism<double, E> mechanism_;
   Advance<double, E> advance_;
-  std::optional<double> interval_;
+  std::optional<double> interval_, lift_off_;
   std::FILE* out_;
   std::uint64_t row_ = 0;
   double printed_ = 0;
 };
 
+Row flight_row(const Scene& scene, double release_time, const FlightInstant<double, 4>& at) {
+  const auto& [x, height, vx, vy] = at.s;
+  return {{"t", release_time + at.time},
+          {"x3", x},
+          {"y3", height - scene.fulcrum_height},
+          {"vx", vx},
+          {"vy", vy},
+          {"speed", std::hypot(vx, vy)}};
+}
+
+/// Prints the rows of a flight, `interval` (s) apart, and the impact.
+void print_flight(const Scene& scene, double release_time, FlightInstant<double, 4> at,
+                  double interval, std::FILE* out) {
+  auto impact = at;
+  fly_to_ground(scene, flight_tolerance, impact);
+  if (!std::isfinite(impact.time))
+    throw std::runtime_error(
+        fmt::format("the flight does not reach the ground within {} steps", max_flight_steps));
+  check_interval(interval, impact.time, "the impact");
+  for (double row = 1; at.time < impact.time * (1 - 1e-12); ++row) {
+    print_values(flight_row(scene, release_time, at), out);
+    fly_until(scene, row * interval, flight_tolerance, at);
+  }
+  print_values(flight_row(scene, release_time, impact), out);
+}
+
 }  // namespace
 
 Status trace(const Job& job, const Design<double>& design, std::optional<double> interval,
              std::FILE* out) {
-  if (!start_is_reachable(job.scene, design.r1))
-    refuse("r1", fmt::format("{}", design.r1),
-           fmt::format("at least |h - h0| = {:.6g} m, to hold the counterweight at its height",
-                       std::abs(job.scene.release_height - job.scene.fulcrum_height)));
-  const double shortest = job.solver.max_time / max_rows;
-  if (interval && *interval < shortest)
-    refuse(
-        "interval", fmt::format("{}", *interval),
-        fmt::format("at least {:g} s, which makes {:g} rows up to max-time", shortest, max_rows));
+  check_start(job.scene, design);
+  check_interval(interval, job.solver.max_time, "max-time");
   return with_effects(job.scene, [&]<Effects E>() {
     if (!interval && follows_tolerance(job.solver.stepper)) interval = default_interval;
-    Printer<E> printer(job, design, interval, out);
-    print_header(job, out);
-    const auto outcome = swing<E>(job.scene, design, job.solver, std::ref(printer));
-    printer.finish(outcome);
-    return outcome.status;
+    // Once for the comments, and again for the rows below them.
+    const auto events = find_events<E>(job, design, {});
+    print_comments(job, events, out);
+    Printer<E> printer(job, design, interval, events.lift_off, out);
+    swing<E>(job.scene, design, job.solver, std::ref(printer));
+    printer.finish(events.outcome);
+    return events.outcome.status;
+  });
+}
+
+Status trace_flight(const Job& job, const Design<double>& design, std::optional<double> interval,
+                    std::FILE* out) {
+  check_start(job.scene, design);
+  return with_effects(job.scene, [&]<Effects E>() {
+    constexpr std::array fields{
+        Field::range};  // so that the status tells of a release in the ground
+    const auto events = find_events<E>(job, design, fields);
+    const auto& [status, t, x, speed, steps, evaluations] = events.outcome;
+    print_comments(job, events, out);
+    print_header(flight_row(job.scene, 0, {}), out);
+    if (status != Status::released) return status;
+    const Mechanism<double, E> mechanism(job.scene, design);
+    const auto position = mechanism.projectile(x), velocity = mechanism.velocity(x);
+    const double height = flight_height(job.scene, position);
+    const FlightInstant<double, 4> release{0, {position.x, height, velocity.x, velocity.y}};
+    print_flight(job.scene, t, release, interval.value_or(default_interval), out);
+    return status;
   });
 }
 

@@ -23,6 +23,7 @@ struct CommandLine {
   double time_limit = std::numeric_limits<double>::infinity();  ///< s, of Command::sweep
   Design<double> design{};                                      ///< of Command::trace
   std::optional<double> interval;                               ///< s, of Command::trace
+  bool flight = false;                                          ///< of Command::trace
 };
 
 /// Throws InputError.

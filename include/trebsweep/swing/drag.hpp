@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -177,6 +178,20 @@ T fly_to_ground(const Scene& scene, double tolerance, FlightInstant<T, N>& at) {
   const T apex = at.s[1];
   fly_until_zero(scene, 1, tolerance, at);
   return apex;
+}
+
+/// Integrates until `time` (s since the release), or until max_flight_steps are taken.
+inline void fly_until(const Scene& scene, double time, double tolerance,
+                      FlightInstant<double, 4>& at) {
+  const FlightEquations<double> equations(scene);
+  double h = time - at.time;
+  for (int n = 0; n < max_flight_steps && at.time < time; ++n) {
+    h = std::min({h, time - at.time, 0.5 * equations.time_scale(at.s)});
+    const bool last = h == time - at.time;
+    const auto [to, error] = advance_flight(equations, at.s, h);
+    if (error <= tolerance) at = {last ? time : at.time + h, to};
+    h *= step_factor(ErrorRatio<double>{error, tolerance}, 7);
+  }
 }
 
 /// The start of a flight in state s; NaN where s is not finite, so that nothing is integrated
