@@ -21,9 +21,10 @@ from maps import draw, finite_values, flag_colours, middle, scaled, shows, slice
 from picture import OUTPUT_HELP, check_output, labelled, readable_unit, save
 
 # Fields whose best value is the largest or the smallest; in others the star marks the fastest.
-LARGEST = ("kinetic_energy", "efficiency", "range", "least_sling_tension")
-SMALLEST = ("release_time", "steps", "stiffness", "peak_sling_tension", "peak_axle_load",
-         "peak_beam_stress")
+LARGEST = ("kinetic_energy", "efficiency", "range", "flight_time", "impact_speed", "apex",
+           "least_sling_tension")
+SMALLEST = ("release_time", "lift_off_time", "steps", "stiffness", "peak_sling_tension",
+            "peak_axle_load", "peak_beam_stress", "peak_hanger_tension")
 
 
 def best(archive, field):

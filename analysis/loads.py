@@ -27,7 +27,9 @@ PROGRAMS = (os.path.join(HERE, "..", "build", "release", "trebsweep"),  # built 
 PANELS = (("tension", "sling tension at the projectile", "N"),
           ("tip_tension", "sling tension at the arm's tip", "N"),
           ("axle", "force on the axle", "N"),
-          ("stress", "bending stress at the fulcrum", "Pa"))
+          ("stress", "bending stress at the fulcrum", "Pa"),
+          ("hanger_tension", "tension of the hanger", "N"),
+          ("normal", "force of the trough on the projectile", "N"))
 
 
 def plateau(speed, start):
@@ -100,18 +102,23 @@ def fine_trace(archive, design, program):
 
 
 def draw(archive, designs, program):
-    """The figure, with a panel for each load."""
-    figure, panels = plt.subplots(2, 2, figsize=(13, 8), sharex=True)
+    """The figure, with a panel for each load that the machine has."""
     swings = [fine_trace(archive, design, program) for design in designs]
-    for axes, (column, text, unit) in zip(panels.flat, PANELS):
+    loads = [panel for panel in PANELS if panel[0] in swings[0]]
+    rows = -(-len(loads) // 2)
+    figure, panels = plt.subplots(rows, 2, figsize=(13, 4 * rows), sharex=True)
+    for axes in panels.flat[len(loads):]:
+        axes.set_visible(False)
+    for axes, (column, text, unit) in zip(panels.flat, loads):
         factor, unit = readable_unit(unit, max(np.abs(swing[column]).max() for swing in swings))
         for design, swing in zip(designs, swings):
             axes.plot(swing["t"], factor * swing[column],
                       label=f"{design_text(design)}: {swing['speed'][-1]:.4g} m/s")
         axes.set_ylabel(labelled(text, unit))
         axes.axhline(0, color="grey", linewidth=0.6)
-    for axes in panels[1]:
+    for axes in panels.flat[len(loads) - 2:len(loads)]:
         axes.set_xlabel("time t (s)")
+        axes.tick_params(labelbottom=True)
     panels[0, 0].legend(fontsize=8)
     text = f"{archive.name()}: loads of the fastest designs from rest to release"
     set_title(figure, text if archive.complete else f"{text}; {archive.progress()}")

@@ -42,7 +42,7 @@ def finite_values(values):
 
 def flag_colours(meanings):
     """Colour map and norm of flags; the flag 0 is blank."""
-    colours = ["white", *plt.get_cmap("Set2").colors[: len(meanings) - 1]]
+    colours = ["white", *plt.get_cmap("Set3").colors[: len(meanings) - 1]]
     limits = np.arange(len(meanings) + 1) - 0.5
     return {"cmap": plt.matplotlib.colors.ListedColormap(colours),
             "norm": plt.matplotlib.colors.BoundaryNorm(limits, len(meanings))}

@@ -49,5 +49,8 @@ design=$($python analysis/optimum.py "$archive" --job "results/$name-as-run.cfg"
 if [[ -n $design ]]; then
   # shellcheck disable=SC2086  # three options with their values
   $program trace "results/$name-as-run.cfg" $design >"results/$name-optimum.txt"
-  $python analysis/trajectory.py "results/$name-optimum.txt" -o "results/$name-optimum.png"
+  # shellcheck disable=SC2086
+  $program trace "results/$name-as-run.cfg" $design --flight >"results/$name-flight.txt"
+  $python analysis/trajectory.py "results/$name-optimum.txt" --flight "results/$name-flight.txt" \
+    -o "results/$name-optimum.png"
 fi

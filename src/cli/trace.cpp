@@ -57,14 +57,17 @@ template <Effects E>
 TracedSwing<E> find_events(const Job& job, const Design<double>& design,
                            std::span<const Field> fields) {
   const Motion<double, E> sliding(job.scene, design);
+  const auto force = [&](const Instant<double, E>& at) {
+    return sliding.normal_force(at.x, at.directions);
+  };
   const double weight = job.scene.projectile_mass * job.scene.gravity;
   std::optional<double> lift_off;
+  if (E.trough && force(instant(sliding, 0, start<double, E>(job.scene, design))) <= 0)
+    lift_off = 0;
   // The last step in the trough ends with the lift-off, where the normal force is zero up to the
   // precision of root finding.
   const auto observe = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
-    const double before = sliding.normal_force(from.x, from.directions);
-    const double force = sliding.normal_force(to.x, to.directions);
-    if (!lift_off && force <= 1e-6 * (weight + std::abs(before))) lift_off = to.t;
+    if (!lift_off && force(to) <= 1e-6 * (weight + force(from))) lift_off = to.t;
   };
   double value = 0;
   const auto outcome =

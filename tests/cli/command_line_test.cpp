@@ -38,7 +38,7 @@ TEST_CASE("A negative number may be a separate argument after its option") {
   CHECK(parse({"sweep", "job.cfg", "--scene.gravity", "-1"}).overrides.at("scene.gravity") == "-1");
 }
 
-TEST_CASE("trace takes a design and an interval") {
+TEST_CASE("trace takes a design, an interval and --flight") {
   const CommandLine line =
       parse({"trace", "j", "--r1", "0.51", "--r2", "0.91", "--r3", "0.58", "--interval", "0.1"});
   CHECK(line.command == Command::trace);
@@ -46,6 +46,8 @@ TEST_CASE("trace takes a design and an interval") {
   CHECK(line.design.r2 == 0.91);
   CHECK(line.design.r3 == 0.58);
   CHECK(line.interval == 0.1);
+  CHECK_FALSE(line.flight);
+  CHECK(parse({"trace", "j", "--r1", "1", "--r2", "1", "--r3", "1", "--flight"}).flight);
 }
 
 TEST_CASE("--help and --version are commands of their own") {

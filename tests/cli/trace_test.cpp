@@ -1,5 +1,7 @@
 #include "trebsweep/cli/trace.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -10,12 +12,15 @@
 #include "support/catch.hpp"
 #include "support/paper_solver.hpp"
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/cli/help.hpp"
+#include "trebsweep/swing/flight.hpp"
 
 using namespace trebsweep;
 
 namespace {
 
 constexpr Design<double> optimum{0.51, 0.58, 0.91};
+constexpr Design<double> laboratory_machine{0.25, 0.87, 0.975};
 
 struct Table {
   std::vector<std::string> comments;
@@ -24,11 +29,12 @@ struct Table {
   Status status;
 };
 
-/// A trace, read back from what it printed.
-Table read_trace(const Job& job, std::optional<double> interval = {}) {
+/// What trace() or trace_flight() printed, read back.
+Table read_trace(const Job& job, std::optional<double> interval = {},
+                 const Design<double>& design = optimum, decltype(trace)* print = trace) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
   Table table;
-  table.status = trace(job, optimum, interval, file.get());
+  table.status = print(job, design, interval, file.get());
   std::string text(static_cast<std::size_t>(std::ftell(file.get())), '\0');
   std::rewind(file.get());
   REQUIRE(std::fread(text.data(), 1, text.size(), file.get()) == text.size());
@@ -58,17 +64,236 @@ Job accurate() {
   return job;
 }
 
+/// The laboratory machine of arXiv:2502.19442.
+Job laboratory() {
+  Job job;
+  job.scene = {.gravity = 9.81,
+               .counterweight_mass = 53.9,
+               .projectile_mass = 0.717,
+               .fulcrum_height = 0.831,
+               .beam_mass = 4.86,
+               .beam_centre = 0.465,
+               .beam_moment = 1.85,
+               .start_angle = 0.55,
+               .counterweight_hanger = 0.515,
+               .trough = true};
+  job.solver.tolerance = 1e-11;
+  job.solver.release = Release::farthest;
+  return job;
+}
+
+Job laboratory_with_drag() {
+  Job job = laboratory();
+  job.scene.projectile_diameter = 0.07;
+  job.scene.wind = -3;
+  return job;
+}
+
+Table laboratory_trace(std::optional<double> interval = {}) {
+  return read_trace(laboratory(), interval, laboratory_machine);
+}
+
+Table read_flight(const Job& job, std::optional<double> interval = {}) {
+  return read_trace(job, interval, laboratory_machine, trace_flight);
+}
+
+/// The number in a comment; NaN without it.
+double comment(const Table& table, const std::string& key) {
+  for (const std::string& line : table.comments)
+    if (line.starts_with("# " + key + " = ")) return std::stod(line.substr(key.size() + 5));
+  return NAN;
+}
+
+/// The second derivative of a column at row i, from three rows at equal intervals.
+double acceleration(const Table& table, std::size_t i, const std::string& column, double interval) {
+  const auto value = [&](std::size_t row) { return table.rows.at(row).at(column); };
+  return (value(i + 1) - 2 * value(i) + value(i - 1)) / (interval * interval);
+}
+
 }  // namespace
 
-TEST_CASE(
-    "A trace starts with comments on gravity, fulcrum and release, then the header t phi1 phi2 "
-    "...") {
+TEST_CASE("A trace starts with comments on fulcrum and release, then the header t phi1 phi2 ...") {
   const Table table = read_trace(paper());
-  CHECK(table.header.starts_with("t phi1 phi2 "));
-  CHECK(table.comments == std::vector<std::string>{"# gravity = 9.8", "# fulcrum-height = 1.5",
-                                                   "# release = window",
-                                                   "# release-window = 0.05"});
-  CHECK(read_trace(accurate()).comments.back() == "# release = crossing");
+  CHECK(table.header ==
+        "t phi1 phi2 w1 w2 x1 y1 xt yt x3 y3 speed energy tension tip_tension axle stress");
+  CHECK(table.comments == std::vector<std::string>{"# fulcrum-height = 1.5", "# release = window",
+                                                   "# release-window = 0.05",
+                                                   "# release-time = 0.92"});
+  Job job = accurate();
+  CHECK(comment(read_trace(job), "release-angle") == job.solver.release_angle);
+  CHECK(comment(read_trace(job), "release-time") == Approx(0.9070885913).margin(1e-9));
+  job.solver.release = Release::pin;
+  job.solver.pin_angle = 0.6;
+  CHECK(comment(read_trace(job), "pin-angle") == 0.6);
+}
+
+TEST_CASE("Hanger and trough add columns; the stress of a measured beam is left out") {
+  CHECK(laboratory_trace().header ==
+        "t phi1 phi2 w1 w2 phi3 w3 x1 y1 xh yh xt yt x3 y3 speed energy tension tip_tension axle "
+        "hanger_tension normal");
+}
+
+TEST_CASE("The help of trace lists every column") {
+  const std::string help = command_help(Command::trace);
+  for (const Table& table :
+       {read_trace(accurate()), laboratory_trace(), read_flight(laboratory())}) {
+    std::istringstream names(table.header);
+    for (std::string name; names >> name;) {
+      INFO(name);
+      CHECK((help.find("\n  " + name + " ") != std::string::npos ||
+             help.find(" " + name + "  ") != std::string::npos));
+    }
+  }
+}
+
+TEST_CASE("The projectile slides in the trough up to the lift-off, and is free afterwards") {
+  const Table table = laboratory_trace();
+  const double lift_off = comment(table, "lift-off-time");
+  CHECK(lift_off == Approx(0.2532914651).margin(1e-9));
+  for (const auto& row : table.rows) {
+    INFO(row.at("t"));
+    CHECK((row.at("normal") > 0) == (row.at("t") < lift_off));
+    if (row.at("t") < lift_off)
+      CHECK(row.at("y3") == Approx(-0.831).margin(1e-10));
+    else
+      CHECK(row.at("y3") > -0.831);
+    CHECK(row.at("energy") == Approx(table.rows.front().at("energy")).epsilon(1e-9));
+  }
+  CHECK(table.rows.back().at("t") == Approx(0.574815).margin(1e-6));
+}
+
+TEST_CASE("The trough carries what is left of the projectile's weight by the sling") {
+  const Scene scene = laboratory().scene;
+  const Table table = laboratory_trace();
+  for (const auto& row : table.rows) {
+    if (row.at("normal") == 0) continue;
+    const double up = (row.at("yt") - row.at("y3")) / laboratory_machine.r3;
+    CHECK(row.at("normal") ==
+          Approx(scene.projectile_mass * scene.gravity - up * row.at("tension")).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("The counterweight hangs from the hinge, which pulls it by the tension of the hanger") {
+  const Scene scene = laboratory().scene;
+  constexpr double interval = 1e-3;
+  const Table table = laboratory_trace(interval);
+  for (std::size_t i = 1; i + 2 < table.rows.size(); ++i) {
+    const auto& row = table.rows[i];
+    CHECK(std::hypot(row.at("xh"), row.at("yh")) == Approx(laboratory_machine.r1));
+    CHECK(row.at("xh") - row.at("x1") ==
+          Approx(scene.counterweight_hanger * std::sin(row.at("phi3"))).margin(1e-9));
+    CHECK(row.at("yh") - row.at("y1") ==
+          Approx(scene.counterweight_hanger * std::cos(row.at("phi3"))).margin(1e-9));
+    const double upward = acceleration(table, i, "y1", interval) + scene.gravity;
+    const double pull = scene.counterweight_mass *
+                        (std::sin(row.at("phi3")) * acceleration(table, i, "x1", interval) +
+                         std::cos(row.at("phi3")) * upward);
+    CHECK(row.at("hanger_tension") == Approx(pull).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("A projectile that the trough would have to hold lifts off at the start") {
+  Job job = laboratory();
+  job.scene.start_angle = 0.8;
+  const Table table = read_trace(job, {}, {0.5, 0.3, 1.55});
+  CHECK(comment(table, "lift-off-time") == 0);
+  for (const auto& row : table.rows) CHECK(row.at("normal") == 0);
+}
+
+TEST_CASE("A projectile that never lifts off is traced in the trough to the end") {
+  Job job = laboratory();
+  job.solver.release = Release::crossing;
+  job.solver.max_time = 0.2;
+  const Table table = read_trace(job, {}, laboratory_machine);
+  CHECK(table.status == Status::never_lifted);
+  CHECK(std::isnan(comment(table, "lift-off-time")));
+  CHECK(std::isnan(comment(table, "release-time")));
+  CHECK(table.rows.back().at("t") == 0.2);
+  CHECK(table.rows.back().at("normal") > 0);
+}
+
+TEST_CASE("A swing that ends after its lift-off without a release is traced as free") {
+  Job job = laboratory();
+  job.solver.release = Release::crossing;
+  job.solver.max_time = 0.4;
+  const Table table = read_trace(job, {}, laboratory_machine);
+  CHECK(table.status == Status::not_released);
+  CHECK(comment(table, "lift-off-time") == Approx(0.2532914651).margin(1e-9));
+  CHECK(table.rows.back().at("normal") == 0);
+}
+
+TEST_CASE("A flight begins with the release and ends with the impact, at the published range") {
+  const Table swing = laboratory_trace(), flight = read_flight(laboratory());
+  CHECK(flight.header == "t x3 y3 vx vy speed");
+  CHECK(flight.comments == swing.comments);
+  for (const std::string name : {"t", "x3", "y3", "speed"})
+    CHECK(flight.rows.front().at(name) == Approx(swing.rows.back().at(name)).margin(1e-9));
+  CHECK(flight.rows.back().at("x3") == Approx(42.834641).margin(1e-5));
+  CHECK(flight.rows.back().at("y3") == Approx(-0.831).margin(1e-9));
+  CHECK(flight.rows.size() == 278);  // every 0.01 s, and the impact after 2.767 s
+}
+
+TEST_CASE("A flight without drag is a parabola") {
+  const Table table = read_flight(laboratory(), 0.2);
+  const auto& start = table.rows.front();
+  for (const auto& row : table.rows) {
+    const double t = row.at("t") - start.at("t");
+    CHECK(row.at("x3") == Approx(start.at("x3") + t * start.at("vx")).margin(1e-8));
+    CHECK(row.at("y3") ==
+          Approx(start.at("y3") + t * start.at("vy") - 9.81 / 2 * t * t).margin(1e-8));
+    CHECK(row.at("vy") == Approx(start.at("vy") - 9.81 * t).margin(1e-8));
+  }
+}
+
+TEST_CASE("A flight through air follows the law of drag and ends as that of a sweep") {
+  const Job job = laboratory_with_drag();
+  constexpr double interval = 1e-3;
+  const Table table = read_flight(job, interval);
+  for (std::size_t i = 1; i + 2 < table.rows.size(); ++i) {
+    const auto& row = table.rows[i];
+    const double k = drag_constant(job.scene), ux = row.at("vx") - job.scene.wind;
+    const double air_speed = std::hypot(ux, row.at("vy"));
+    const auto rate = [&](const std::string& name) {
+      return (table.rows[i + 1].at(name) - table.rows[i - 1].at(name)) / (2 * interval);
+    };
+    CHECK(rate("vx") == Approx(-k * air_speed * ux).margin(1e-6));
+    CHECK(rate("vy") == Approx(-k * air_speed * row.at("vy") - 9.81).margin(1e-6));
+    CHECK(rate("x3") == Approx(row.at("vx")).margin(1e-6));
+    CHECK(rate("y3") == Approx(row.at("vy")).margin(1e-6));
+  }
+  const auto& start = table.rows.front();
+  const auto whole = flight(job.scene, Vector<double>{start.at("x3"), start.at("y3")},
+                            Vector<double>{start.at("vx"), start.at("vy")});
+  CHECK(table.rows.back().at("x3") == Approx(whole.range).margin(1e-8));
+  CHECK(table.rows.back().at("t") == Approx(start.at("t") + whole.time).margin(1e-8));
+  CHECK(table.rows.back().at("speed") == Approx(whole.impact_speed).margin(1e-8));
+}
+
+TEST_CASE("The rows of a flight do not depend on the interval between them") {
+  const Table coarse = read_flight(laboratory_with_drag(), 1.0);
+  const Table fine = read_flight(laboratory_with_drag(), 0.01);
+  REQUIRE(coarse.rows.size() == 4);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (const auto& [name, value] : fine.rows.at(100 * i))
+      CHECK(coarse.rows[i].at(name) == Approx(value).margin(1e-9));
+  CHECK(coarse.rows.back() == fine.rows.back());
+}
+
+TEST_CASE("Without a release above the ground, the table of the flight is empty") {
+  Job job = laboratory();
+  job.solver.release = Release::crossing;
+  job.solver.max_time = 0.2;
+  CHECK(read_flight(job).rows.empty());
+  CHECK(read_flight(job).status == Status::never_lifted);
+
+  job = accurate();
+  job.solver.release_angle = 0.5;
+  job.scene.fulcrum_height = 1.2;
+  job.scene.release_height = 1.7;
+  const Table buried = read_trace(job, {}, optimum, trace_flight);
+  CHECK(buried.status == Status::released_below_ground);
+  CHECK(buried.header == "t x3 y3 vx vy speed");
+  CHECK(buried.rows.empty());
 }
 
 TEST_CASE("A trace of euler has one row per step, from the start to the paper's release") {
@@ -98,14 +323,22 @@ TEST_CASE("Rows between two steps of euler are interpolated linearly, up to the 
 }
 
 TEST_CASE("Rows between steps are as accurate as the steps") {
-  Job job = accurate(), fine = accurate();
-  job.solver.tolerance = 1e-9;
-  fine.solver.tolerance = 1e-13;
-  const Table rows = read_trace(job, 0.003), truth = read_trace(fine, 0.003);
-  REQUIRE(rows.rows.size() == truth.rows.size());
-  for (std::size_t i = 0; i < rows.rows.size(); ++i)
-    for (const auto& [name, value] : truth.rows[i])
-      CHECK(rows.rows[i].at(name) == Approx(value).epsilon(2e-8).margin(2e-8));
+  const auto check = [](Job job, const Design<double>& design) {
+    job.solver.tolerance = 1e-9;
+    const Table rows = read_trace(job, 0.003, design);
+    job.solver.tolerance = 1e-13;
+    const Table truth = read_trace(job, 0.003, design);
+    REQUIRE(rows.rows.size() == truth.rows.size());
+    for (std::size_t i = 0; i < rows.rows.size(); ++i)
+      for (const auto& [name, value] : truth.rows[i]) {
+        INFO(name << " at t = " << truth.rows[i].at("t"));
+        CHECK(rows.rows[i].at(name) == Approx(value).epsilon(2e-8).margin(2e-8));
+      }
+  };
+  check(accurate(), optimum);
+  Job job = laboratory();
+  job.solver.release = Release::crossing;
+  check(job, laboratory_machine);
 }
 
 TEST_CASE("The sling's tension grows from 1.04 kN at rest to 23.0 kN at release") {
@@ -125,9 +358,19 @@ TEST_CASE("A swing without a release is traced to its time limit") {
 
 TEST_CASE("A design without an initial state is an error") {
   CHECK_THROWS_WITH(trace(paper(), {0.4, 1, 1}, {}, stderr),
-                    contains("r1 = 0.4: must be at least"));
+                    contains("r1 = 0.4: must be at least |h - h0| = 0.5 m"));
+  Job job = paper();
+  job.scene.counterweight_hanger = 0.3;
+  CHECK_THROWS_WITH(trace_flight(job, {0.51, 1, 1}, {}, stderr),
+                    contains("r1 = 0.51: must be at least |h - h0 + r4| = 0.8 m"));
+  job = laboratory();
+  job.scene.start_angle = 1.2;
+  CHECK_THROWS_WITH(trace(job, {0.25, 0.4, 0.975}, {}, stderr),
+                    contains("r3 = 0.4: must be at least 0.477701 m, to reach the trough"));
 }
 
 TEST_CASE("An interval that would print millions of rows is an error") {
   CHECK_THROWS_WITH(trace(accurate(), optimum, 1e-300, stderr), contains("interval = 1e-300"));
+  CHECK_THROWS_WITH(read_flight(laboratory(), 1e-7),
+                    contains("interval = 1e-07: must be at least 2.76742e-07 s"));
 }
