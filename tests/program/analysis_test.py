@@ -24,11 +24,35 @@ SCRIPTS = ("assess.py", "compare.py", "heatmap.py", "loads.py", "optimum.py", "t
 FIELDS = "speed, status, slack, release-time, peak-axle-load, peak-beam-stress, range, energy-drift"
 DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
 
+# The laboratory machine of arXiv:2502.19442.
+LABORATORY = """[scene]
+gravity = 9.81
+counterweight-mass = 53.9
+projectile-mass = 0.717
+beam-mass = 4.86
+beam-centre = 0.465
+beam-moment = 1.85
+fulcrum-height = 0.831
+start-angle = 0.55
+trough = yes
+counterweight-hanger = 0.515
+[lattice]
+r1 = 0.15:0.35:0.05
+r3 = 0.47:1.07:0.2
+r2 = 0.675:1.175:0.1
+[solver]
+release = farthest
+"""
+LABORATORY_DESIGN = ("--r1", "0.25", "--r2", "0.975", "--r3", "0.87")
+LABORATORY_FIELDS = "speed, status, range, flight-time, impact-speed, apex, lift-off-time, arm-angle, " \
+                    "pin-angle, peak-hanger-tension"
+
 sys.dont_write_bytecode = True
 sys.path.insert(0, ANALYSIS)
 import heatmap  # noqa: E402  (found by the path)
 import loads  # noqa: E402
 import machine  # noqa: E402
+import maps  # noqa: E402
 import trajectory  # noqa: E402
 from archive import AXES, Archive  # noqa: E402
 from picture import plt  # noqa: E402
@@ -41,7 +65,7 @@ class ScriptTest(DirectoryTest):
     def sweep(cls, job, *options, name=None, increment="0.05"):
         """Writes the archive of a job on a coarse lattice; returns its path."""
         archive = cls.path(f"{name or job}.h5")
-        subprocess.run([PROGRAM, "sweep", f"{JOBS}/{job}.cfg", "--lattice.increment",
+        subprocess.run([PROGRAM, "sweep", os.path.join(JOBS, f"{job}.cfg"), "--lattice.increment",
                         increment, "--output.file", archive, *options],
                        check=True, capture_output=True, timeout=120)
         return archive
@@ -63,16 +87,23 @@ class ScriptTest(DirectoryTest):
         for edge in (pixels[:4], pixels[-4:], pixels[:, :4], pixels[:, -4:]):
             self.assertTrue((edge == 1).all(), name)
 
-    def trace(self, *options, comments=(), job="jobs/accurate.cfg", name="table.txt", design=DESIGN):
-        """Writes the table of a swing, by default the optimum's, below some comments; returns its path."""
-        done = subprocess.run([PROGRAM, "trace", f"{REPOSITORY}/{job}", *design, *options], check=True,
-                              capture_output=True, text=True, timeout=120)
-        rows = [line for line in done.stdout.splitlines() if not line.startswith("#")]
-        return self.write(name, "\n".join([*comments, *rows, ""]).encode())
+    def trace(self, *options, comments=True, job="jobs/accurate.cfg", name="table.txt", design=DESIGN):
+        """Writes the table of a swing, by default the optimum's, with or without its comments; returns its
+        path."""
+        done = subprocess.run([PROGRAM, "trace", os.path.join(REPOSITORY, job), *design, *options],
+                              check=True, capture_output=True, text=True, timeout=120)
+        lines = [line for line in done.stdout.splitlines() if comments or not line.startswith("#")]
+        return self.write(name, "\n".join([*lines, ""]))
+
+    def trace_laboratory(self, *options, **arguments):
+        """The same for the laboratory machine."""
+        job = self.write("laboratory.cfg", LABORATORY)
+        return self.trace(*options, job=job, design=LABORATORY_DESIGN, **arguments)
 
 
 class PictureTest(ScriptTest):
-    """Tests with the archives paper.h5, accurate.h5, and loads.h5 with the map of every field."""
+    """Tests with the archives paper.h5, accurate.h5, loads.h5 with the maps of FIELDS, and
+    laboratory.h5, of a machine with hanger and trough, with those of LABORATORY_FIELDS."""
 
     @classmethod
     def setUpClass(cls):
@@ -80,6 +111,8 @@ class PictureTest(ScriptTest):
         cls.sweep("paper")
         cls.sweep("accurate")
         cls.sweep("accurate", "--output.fields", FIELDS, name="loads")
+        cls.write("laboratory.cfg", LABORATORY)
+        cls.sweep(cls.path("laboratory"), "--output.fields", LABORATORY_FIELDS, name="laboratory")
 
     def figure(self, archive, field, **chosen):
         """The figure that heatmap.py draws."""
@@ -101,15 +134,16 @@ class PictureTest(ScriptTest):
 
 class Heatmaps(PictureTest):
     def test_heatmaps_are_drawn_of_every_field_and_in_every_format(self):
-        for field in FIELDS.split(", "):
-            command = ["heatmap.py", self.path("loads.h5"), "--field", field]
+        for archive, field in (*(("loads", field) for field in FIELDS.split(", ")),
+                               *(("laboratory", field) for field in LABORATORY_FIELDS.split(", "))):
+            command = ["heatmap.py", self.path(f"{archive}.h5"), "--field", field]
             with unittest.mock.patch("sys.argv", command), \
                     contextlib.redirect_stdout(io.StringIO()), \
                     contextlib.redirect_stderr(io.StringIO()) as errors:
                 heatmap.main()
             self.assertEqual(errors.getvalue(), "")
-            self.assert_picture(f"loads-{field}.png")
-            self.assert_nothing_is_cut(f"loads-{field}.png")
+            self.assert_picture(f"{archive}-{field}.png")
+            self.assert_nothing_is_cut(f"{archive}-{field}.png")
         for suffix in SIGNATURES:
             self.run_script("heatmap.py", "paper.h5", "--r1", "0.7", "-o", f"map.{suffix}")
             self.assert_picture(f"map.{suffix}")
@@ -191,7 +225,27 @@ class Heatmaps(PictureTest):
         self.run_script("compare.py", "single.h5", "single.h5", says="no picture")
         self.assertFalse(os.path.exists(self.path("single.png")))
 
+    def test_every_status_has_a_colour_of_its_own(self):
+        meanings = Archive(self.path("paper.h5")).meanings("status")
+        style = maps.flag_colours(meanings)
+        colours = {style["cmap"](style["norm"](flag)) for flag in range(len(meanings))}
+        self.assertEqual(len(colours), len(meanings))
+
+    def test_the_fields_with_a_best_value_are_fields_of_the_program(self):
+        usage = self.run_program("sweep", "--help").stdout
+        for field in heatmap.LARGEST + heatmap.SMALLEST:
+            self.assertRegex(usage, rf"[ ,]{field.replace('_', '-')}[\s,]")
+
     def test_the_star_and_the_title_show_the_best_design_of_the_field(self):
+        with h5py.File(self.path("laboratory.h5")) as file:
+            for field, best, word in (("impact_speed", np.nanargmax, "largest"),
+                                      ("apex", np.nanargmax, "largest"),
+                                      ("peak_hanger_tension", np.nanargmin, "smallest")):
+                figure = self.figure("laboratory.h5", field)
+                index = np.unravel_index(best(file[field]), file[field].shape)
+                self.assertEqual(self.star(figure),
+                                 {name: file[name][i] for name, i in zip(AXES, index)})
+                self.assertIn(f"\u2605 {word}: ", figure._suptitle.get_text())
         with h5py.File(self.path("loads.h5")) as file:
             for field, best, words in (
                     ("speed", np.nanargmax(file["speed"]), "\u2605 fastest: "),
@@ -227,6 +281,18 @@ class Reports(PictureTest):
         self.assert_picture("accurate-loads.png")
         self.run_script("loads.py", "accurate.h5", "--count", "100", "--program", PROGRAM,
                         says="of 100 designs drawn")
+
+    def test_loads_of_a_built_machine_are_those_that_it_has(self):
+        self.run_script("loads.py", "laboratory.h5", "--count", "1", "--program", PROGRAM)
+        self.assert_nothing_is_cut("laboratory-loads.png")
+        for archive, missing, shown in (("laboratory", "bending stress", "hanger"),
+                                        ("accurate", "hanger", "bending stress")):
+            archive = Archive(self.path(f"{archive}.h5"))
+            figure = loads.draw(archive, [archive.optimum()[0]], PROGRAM)
+            self.addCleanup(plt.close, figure)
+            labels = " ".join(axes.get_ylabel() for axes in figure.axes)
+            self.assertIn(shown, labels)
+            self.assertNotIn(missing, labels)
 
     def test_a_plateau_is_one_local_maximum_and_a_ledge_is_not(self):
         speed = np.zeros((9, 9, 9))
@@ -310,49 +376,91 @@ class Reports(PictureTest):
 
 
 class Swings(ScriptTest):
-    COMMENTS = ("# fulcrum-height = 1.5", "# gravity = 9.8", "# status = released",
-                "# release = crossing")
-
-    def figure(self, table):
-        figure = trajectory.draw(trajectory.read_table(self.path(table)), 16)
+    def figure(self, table, flight=None):
+        """The figure that trajectory.py draws from tables."""
+        swing = trajectory.read_table(self.path(table))
+        figure = trajectory.draw(swing, 16, flight and trajectory.read_flight(flight, swing))
         self.addCleanup(plt.close, figure)
-        return {label for axes in figure.axes for label in axes.get_legend_handles_labels()[1]}
+        return figure
 
-    def test_swings_are_drawn_with_and_without_comments(self):
-        for comments in ((), self.COMMENTS):
-            self.trace(comments=comments)
-            self.run_script("trajectory.py", "table.txt", "-o", "swing.png")
-            self.assert_picture("swing.png")
-            self.assert_nothing_is_cut("swing.png")
+    def labels(self, *tables):
+        """The labels in the legends of the figure."""
+        return {label for axes in self.figure(*tables).axes
+                for label in axes.get_legend_handles_labels()[1]}
 
-    def test_ground_and_flight_are_drawn_if_the_comments_define_them(self):
-        self.assertTrue(self.figure(self.trace(comments=self.COMMENTS)) >= {"ground", "free flight"})
-        self.assertFalse(self.figure(self.trace()) & {"ground", "free flight"})
+    def test_swings_are_drawn_with_and_without_comments_and_flight(self):
+        for trace in (self.trace, self.trace_laboratory):
+            trace("--flight", name="flight.txt")
+            for comments in (False, True):
+                for flight in ((), ("--flight", "flight.txt")):
+                    trace(comments=comments)
+                    self.run_script("trajectory.py", "table.txt", *flight, "-o", "swing.png")
+                    self.assert_picture("swing.png")
+                    self.assert_nothing_is_cut("swing.png")
 
-    def test_there_is_a_flight_only_after_a_release(self):
-        cut = self.trace("--solver.max-time", "0.8", comments=self.COMMENTS)
-        self.assertIsNone(trajectory.flight(trajectory.read_table(self.path(cut))))
-        for width, released in (("0.05", True), ("1e-9", False)):
-            comments = (*self.COMMENTS[:2], "# release = window", f"# release-window = {width}")
-            table = self.trace(job="jobs/paper.cfg", comments=comments)
-            path = trajectory.flight(trajectory.read_table(self.path(table)))
-            self.assertEqual(path is not None, released)
+    def test_ground_trough_and_lift_off_are_drawn_if_the_comments_define_them(self):
+        self.assertEqual(self.labels(self.trace()) & {"ground", "trough", "lift-off"}, {"ground"})
+        self.assertTrue(self.labels(self.trace_laboratory()) >= {"ground", "trough", "lift-off"})
+        self.assertFalse(self.labels(self.trace_laboratory(comments=False)) &
+                         {"ground", "trough", "lift-off"})
+
+    def test_the_trough_ends_at_the_lift_off(self):
+        table = self.trace_laboratory()
+        swing = trajectory.read_table(table)
+        time, x, y = trajectory.lift_off(swing)
+        self.assertAlmostEqual(time, 0.2532914651, places=9)
+        self.assertAlmostEqual(y, -0.831, places=3)
+        for line in self.figure(table).axes[1].get_lines():
+            if line.get_label() == "trough":
+                np.testing.assert_allclose(line.get_xdata(), (x, swing.rows["x3"][0]))
+                np.testing.assert_allclose(line.get_ydata(), -0.831)
+
+    def test_the_counterweight_hangs_from_the_end_of_its_arm(self):
+        table = self.trace_laboratory()
+        rows = trajectory.read_table(table).rows
+        lines = [np.round(np.transpose(line.get_data()), 9).tolist()
+                 for line in self.figure(table).axes[1].get_lines()]
+        first = {name: [round(rows[axis + name][0], 9) for axis in "xy"] for name in "h1t3"}
+        for ends in (("h", "1"), ("h", "t"), ("t", "3")):
+            self.assertIn([first[name] for name in ends], lines)
+
+    def test_without_a_release_there_is_no_flight(self):
+        options = ("--solver.max-time", "0.2", "--solver.release", "crossing")
+        table = self.trace_laboratory(*options)
+        flight = self.trace_laboratory(*options, "--flight", name="flight.txt")
+        self.assertFalse(self.labels(table, flight) & {"flight", "impact"})
+        table = self.trace()
+        flight = self.trace("--flight", name="flight.txt")
+        self.assertTrue(self.labels(table, flight) >= {"flight", "impact"})
+
+    def test_the_flight_after_another_swing_is_refused(self):
+        self.trace()
+        self.trace_laboratory("--flight", name="flight.txt")
+        self.run_script("trajectory.py", "table.txt", "--flight", "flight.txt", code=1,
+                        says="flight.txt: is the flight after another swing")
+        self.run_script("trajectory.py", "table.txt", "--flight", "table.txt", code=1,
+                        says="table.txt: is the flight after another swing")
+        self.run_script("trajectory.py", "flight.txt", code=1, says="flight.txt: has no column phi1")
+        self.run_script("trajectory.py", "table.txt", "--flight", "flight.txt", "-o", "flight.txt",
+                        code=2, says="must")
 
     def test_the_flight_has_the_range_of_the_sweep(self):
-        for scene in ("paper", "elastic_sling"):
-            job = f"jobs/scenes/{scene}.cfg"
-            options = ("--solver.stepper", "dopri5")
-            table = trajectory.read_table(self.path(
-                self.trace(*options, job=job, comments=self.COMMENTS)))
-            archive = self.path(f"{scene}.h5")
-            subprocess.run([PROGRAM, "sweep", f"{REPOSITORY}/{job}", *options, "--output.fields", "range",
-                            "--lattice.r1", "0.51", "--lattice.r2", "0.91", "--lattice.r3", "0.58",
-                            "--output.file", archive],
-                           check=True, capture_output=True, timeout=120)
-            x, y = trajectory.flight(table)
-            with h5py.File(archive) as file:
-                self.assertAlmostEqual(x[-1] - x[0], file["range"][0, 0, 0], places=6)
-            self.assertAlmostEqual(y[-1], -1.5, places=9)
+        laboratory = self.write("laboratory.cfg", LABORATORY)
+        air = ("--scene.projectile-diameter", "0.07", "--scene.wind", "-3")
+        for job, design, *options in (
+                ("jobs/scenes/paper.cfg", DESIGN, "--solver.stepper", "dopri5"),
+                ("jobs/scenes/elastic_sling.cfg", DESIGN, "--solver.stepper", "dopri5"),
+                (laboratory, LABORATORY_DESIGN), (laboratory, LABORATORY_DESIGN, *air)):
+            with self.subTest(job=job, options=options):
+                path = self.trace("--flight", *options, job=job, design=design)
+                rows = trajectory.read_rows(path, trajectory.FLIGHT_COLUMNS).rows
+                lattice = [word.replace("--", "--lattice.") for word in design]
+                subprocess.run([PROGRAM, "sweep", os.path.join(REPOSITORY, job), *options, *lattice,
+                                "--output.fields", "range, apex", "--output.file", self.path("r.h5"),
+                                "--overwrite"], check=True, capture_output=True, timeout=120)
+                with h5py.File(self.path("r.h5")) as file:
+                    self.assertAlmostEqual(rows["x3"][-1], file["range"][0, 0, 0], places=6)
+                    self.assertAlmostEqual(np.ptp(rows["y3"]), file["apex"][0, 0, 0], places=3)
 
 
 class Machine(ScriptTest):
@@ -529,8 +637,8 @@ class Failures(ScriptTest):
                     self.assertNotIn("Traceback", done.stderr)
 
     def test_truncated_and_empty_swings_are_refused(self):
-        table = self.read(self.trace())
-        for content in (table[:1003], table.splitlines()[0], table.replace(b"\n0.05 ", b"\nx "),
+        table = self.read(self.trace(comments=False))
+        for content in (table[: table.rindex(b" ")], table.splitlines()[0], table.replace(b"\n0.05 ", b"\nx "),
                         b"# gravity = 9.8\n"):
             self.write("cut.txt", content)
             self.run_script("trajectory.py", "cut.txt", code=1, says="cut.txt: ")
