@@ -181,7 +181,7 @@ def draw_flight(axes, table, flight):
     axes.plot(x[-1], y[-1], "x", color="red", label="impact")
     axes.set_title(f"Flight: range {x[-1]:.4g} m from the foot of the fulcrum, up to "
                    f"{y.max() - y[-1]:.4g} m above the ground; impact after {t[-1] - t[0]:.3g} s "
-                   f"with {speed[-1]:.4g} m/s")
+                   f"at {speed[-1]:.4g} m/s")
     axes.set_aspect("equal", adjustable="datalim")
     axes.legend(loc="best", fontsize=9)
 

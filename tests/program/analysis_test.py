@@ -464,19 +464,31 @@ class Swings(ScriptTest):
 
 
 class Machine(ScriptTest):
-    def test_the_sketch_shows_three_moments_of_a_traced_swing(self):
-        lengths = [word for name, value in zip(("--r1", "--r2", "--r3"), machine.DESIGN)
-                   for word in (name, str(value))]
-        rows = trajectory.read_table(self.path(self.trace("--interval", "0.02", design=lengths))).rows
+    def assert_traced(self, sketch, *options, design):
+        """The three moments are those of a traced swing."""
+        rows = trajectory.read_table(self.trace("--interval", "0.02", *options, design=design)).rows
         last = len(rows["t"]) - 1
-        middle = int(np.argmin(np.abs(rows["phi1"] - machine.MIDDLE[0])))
-        for angles, i in ((machine.START, 0), (machine.MIDDLE, middle), (machine.RELEASE, last)):
-            np.testing.assert_allclose(angles, (rows["phi1"][i], rows["phi2"][i]), atol=1e-6)
-            for point, (x, y) in zip(machine.positions(angles), (("x1", "y1"), ("xt", "yt"), ("x3", "y3"))):
-                np.testing.assert_allclose(point, (rows[x][i], rows[y][i]), atol=1e-6)
+        middle = int(np.argmin(np.abs(rows["phi1"] - sketch.middle[0])))
+        hinge = "h" if sketch.r4 else "1"
+        for angles, i in ((sketch.start, 0), (sketch.middle, middle), (sketch.release, last)):
+            for angle, name in zip(angles, ("phi1", "phi2", "phi3") if sketch.r4 else ("phi1", "phi2")):
+                self.assertAlmostEqual(angle, rows[name][i], places=6)
+            for point, body in zip(machine.positions(sketch, angles), ("1", hinge, "t", "3")):
+                np.testing.assert_allclose(point, (rows[f"x{body}"][i], rows[f"y{body}"][i]), atol=1e-6)
 
-    def test_labels_of_the_sketch_overlap_neither_lines_nor_each_other(self):
-        figure = machine.draw()
+    def test_the_sketches_show_three_moments_of_a_traced_swing(self):
+        design = [word for name in ("r1", "r2", "r3")
+                  for word in (f"--{name}", str(getattr(machine.PAPER, name)))]
+        self.assert_traced(machine.PAPER, design=design)
+        self.assert_traced(machine.BUILT, design=machine.BUILT_OPTIONS.split())
+
+    def test_labels_of_the_sketches_overlap_neither_lines_nor_each_other(self):
+        for built in (False, True):
+            with self.subTest(built=built):
+                self.assert_labels_are_free(machine.draw(built))
+
+    def assert_labels_are_free(self, figure):
+        """The labels of a sketch, except for turned ones, overlap neither lines nor each other."""
         self.addCleanup(plt.close, figure)
         figure.canvas.draw()
         axes = figure.axes[0]
@@ -490,8 +502,9 @@ class Machine(ScriptTest):
                 self.assertFalse(path.intersects_bbox(box, filled=False), (box, line))
 
     def test_the_sketch_is_drawn_in_every_format(self):
-        self.run_script("machine.py")
-        self.assert_picture("machine.svg")
+        for name, options in (("machine.svg", ()), ("built.svg", ("--built",))):
+            self.run_script("machine.py", *options)
+            self.assert_picture(name)
         for suffix in SIGNATURES:
             self.run_script("machine.py", "-o", f"sketch.{suffix}")
             self.assert_picture(f"sketch.{suffix}")
