@@ -204,20 +204,12 @@ Row flight_row(const Scene& scene, double release_time, const FlightInstant<doub
           {"speed", std::hypot(vx, vy)}};
 }
 
-/// Prints the rows of a flight, `interval` (s) apart, and the impact.
-void print_flight(const Scene& scene, double release_time, FlightInstant<double, 4> at,
-                  double interval, std::FILE* out) {
-  auto impact = at;
-  fly_to_ground(scene, flight_tolerance, impact);
-  if (!std::isfinite(impact.time))
+FlightInstant<double, 4> impact_after(const Scene& scene, FlightInstant<double, 4> at) {
+  fly_to_ground(scene, flight_tolerance, at);
+  if (!std::isfinite(at.time))
     throw std::runtime_error(
         fmt::format("the flight does not reach the ground within {} steps", max_flight_steps));
-  check_interval(interval, impact.time, "the impact");
-  for (double row = 1; at.time < impact.time * (1 - 1e-12); ++row) {
-    print_values(flight_row(scene, release_time, at), out);
-    fly_until(scene, row * interval, flight_tolerance, at);
-  }
-  print_values(flight_row(scene, release_time, impact), out);
+  return at;
 }
 
 }  // namespace
@@ -240,20 +232,36 @@ Status trace(const Job& job, const Design<double>& design, std::optional<double>
 
 Status trace_flight(const Job& job, const Design<double>& design, std::optional<double> interval,
                     std::FILE* out) {
-  check_start(job.scene, design);
-  return with_effects(job.scene, [&]<Effects E>() {
-    constexpr std::array fields{
-        Field::range};  // so that the status tells of a release in the ground
+  const Scene& scene = job.scene;
+  check_start(scene, design);
+  return with_effects(scene, [&]<Effects E>() {
+    constexpr std::array fields{Field::range};  // a release below the ground then has its status
     const auto events = find_events<E>(job, design, fields);
-    const auto& [status, t, x, speed, steps, evaluations] = events.outcome;
-    print_comments(job, events, out);
-    print_header(flight_row(job.scene, 0, {}), out);
-    if (status != Status::released) return status;
-    const Mechanism<double, E> mechanism(job.scene, design);
+    const auto& [status, release_time, x, speed, steps, evaluations] = events.outcome;
+    const auto print_row = [&](const FlightInstant<double, 4>& at) {
+      print_values(flight_row(scene, release_time, at), out);
+    };
+    const auto print_above_rows = [&] {
+      print_comments(job, events, out);
+      print_header(flight_row(scene, 0, {}), out);
+    };
+    if (status != Status::released) {
+      print_above_rows();
+      return status;
+    }
+
+    const Mechanism<double, E> mechanism(scene, design);
     const auto position = mechanism.projectile(x), velocity = mechanism.velocity(x);
-    const double height = flight_height(job.scene, position);
-    const FlightInstant<double, 4> release{0, {position.x, height, velocity.x, velocity.y}};
-    print_flight(job.scene, t, release, interval.value_or(default_interval), out);
+    FlightInstant<double, 4> at{
+        0, {position.x, flight_height(scene, position), velocity.x, velocity.y}};
+    const auto impact = impact_after(scene, at);
+    check_interval(interval, impact.time, "the impact");
+    print_above_rows();
+    for (double row = 1; at.time < impact.time * (1 - 1e-12); ++row) {
+      print_row(at);
+      fly_until(scene, row * interval.value_or(default_interval), flight_tolerance, at);
+    }
+    print_row(impact);
     return status;
   });
 }

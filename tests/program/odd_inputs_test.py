@@ -101,6 +101,9 @@ def solver_keys():
     yield refused(*EULER, "--solver.target-error", "1e-6")
     yield refused("--solver.tolerance", "1e-9", "--solver.target-error", "1e-6")
     yield ["trace", "job.cfg", *DESIGN, "--solver.max-steps", "1"], 0
+    yield ["trace", "job.cfg", *DESIGN, "--solver.max-steps", "1", "--flight"], 0
+    yield ["trace", "job.cfg", *DESIGN, "--flight", "--interval", "1e-9"], 2
+    yield ["trace", "job.cfg", *DESIGN, "--flight", "--scene.projectile-diameter", "1e5"], 1
     yield ["trace", "job.cfg", *DESIGN, "--solver.max-time", "1e-300"], 0
 
 
