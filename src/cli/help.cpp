@@ -46,13 +46,16 @@ Positions are relative to the fulcrum. The columns are
   energy       kinetic, potential and elastic energy, J
   tension      force of the sling on the projectile, N; negative where a rigid
                sling would be under compression
-  tip_tension  force of the sling on the tip of the throwing arm, N; differs from
-               tension if the sling has mass
+  tip_tension  force of the sling on the tip of the throwing arm, N; differs
+               from tension if the sling has mass
   axle         force on the axle, N
-  stress       magnitude of the bending stress at the fulcrum, Pa; left out if the
-               cross-section of the beam is not known
-  hanger_tension  with a hanger: force on the counterweight, N
-  normal       with a trough: its force on the projectile, N; 0 after the lift-off
+  stress       magnitude of the bending stress at the fulcrum, Pa; left out if
+               the cross-section of the beam is not known
+  hanger_tension
+               with a hanger: its force on the counterweight, N; negative
+               where it would be under compression
+  normal       with a trough: its force on the projectile, N; 0 after the
+               lift-off
 
 With --flight, prints the flight from the release to the ground instead. The
 columns are

@@ -1,10 +1,8 @@
 #include "trebsweep/cli/trace.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cmath>
-#include <ranges>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -100,11 +98,21 @@ void print_comments(const Job& job, const TracedSwing<E>& swing, std::FILE* out)
 using Row = std::vector<std::pair<std::string_view, double>>;
 
 void print_header(const Row& row, std::FILE* out) {
-  fmt::print(out, "{}\n", fmt::join(row | std::views::keys, " "));
+  const char* separator = "";
+  for (const auto& [name, value] : row) {
+    fmt::print(out, "{}{}", separator, name);
+    separator = " ";
+  }
+  fmt::print(out, "\n");
 }
 
 void print_values(const Row& row, std::FILE* out) {
-  fmt::print(out, "{:.12g}\n", fmt::join(row | std::views::values, " "));
+  const char* separator = "";
+  for (const auto& [name, value] : row) {
+    fmt::print(out, "{}{:.12g}", separator, value);
+    separator = " ";
+  }
+  fmt::print(out, "\n");
 }
 
 template <Effects E>
@@ -237,21 +245,21 @@ Status trace_flight(const Job& job, const Design<double>& design, std::optional<
   return with_effects(scene, [&]<Effects E>() {
     constexpr std::array fields{Field::range};  // a release below the ground then has its status
     const auto events = find_events<E>(job, design, fields);
-    const auto& [status, release_time, x, speed, steps, evaluations] = events.outcome;
+    const Outcome<double, E>& end = events.outcome;
     const auto print_row = [&](const FlightInstant<double, 4>& at) {
-      print_values(flight_row(scene, release_time, at), out);
+      print_values(flight_row(scene, end.t, at), out);
     };
     const auto print_above_rows = [&] {
       print_comments(job, events, out);
       print_header(flight_row(scene, 0, {}), out);
     };
-    if (status != Status::released) {
+    if (end.status != Status::released) {
       print_above_rows();
-      return status;
+      return end.status;
     }
 
     const Mechanism<double, E> mechanism(scene, design);
-    const auto position = mechanism.projectile(x), velocity = mechanism.velocity(x);
+    const auto position = mechanism.projectile(end.x), velocity = mechanism.velocity(end.x);
     FlightInstant<double, 4> at{
         0, {position.x, flight_height(scene, position), velocity.x, velocity.y}};
     const auto impact = impact_after(scene, at);
@@ -262,7 +270,7 @@ Status trace_flight(const Job& job, const Design<double>& design, std::optional<
       fly_until(scene, row * interval.value_or(default_interval), flight_tolerance, at);
     }
     print_row(impact);
-    return status;
+    return end.status;
   });
 }
 
