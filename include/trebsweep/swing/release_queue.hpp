@@ -89,6 +89,7 @@ class ReleaseQueue {
   /// step; with an infinite time where there is none.
   void choose(Stepper& stepper, const Mechanism<T, E>& mechanism) {
     auto& [design, motion, from, to, record, best] = pending_;
+    rule_.end_at_turning_points(~LaneMask{0}, stepper, motion, from, to);
     to = end_of_interval(stepper, motion, from, to, T(Number(solver_.max_time)));
     try_step_of_swing(best, solver_.release, parts_to_search<Stepper>, motion, mechanism, from, to,
                       T(to.t - from.t), record);

@@ -168,7 +168,7 @@ class Swings {
     if constexpr (!adaptive) set_times(events, from, to);
     LaneMask ended = 0;
     [[maybe_unused]] const LaneMask turning = events & accepted;
-    if (!rule_.is_window())
+    if (!rule_.is_window() && !rule_.chooses())
       rule_.end_at_turning_points(events & accepted & ~sliding_lanes(), stepper_, lanes_.motion,
                                   from, to);
     for (; events != 0; events &= events - 1) {
