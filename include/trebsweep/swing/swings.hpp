@@ -118,7 +118,8 @@ class Swings {
   /// resets those of swings that have ended.
   void follow(const Instant& from, const Instant& to, const T& h) {
     if (rule_.chooses()) search(from, to, h);
-    if (request_.steps()) record(from, to, h);
+    if constexpr (has_fields<T>)
+      if (request_.steps()) record(from, to, h);
   }
 
   [[gnu::noinline]] void record(const Instant& from, const Instant& to, const T& h) {
