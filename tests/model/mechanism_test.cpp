@@ -99,7 +99,7 @@ TEST_CASE("Positions, speed and sling tension follow from the path of the projec
       const double speed = std::hypot(at.x3.derivative(1), at.y3.derivative(1));
       REQUIRE(mechanism.speed(s.x) == Approx(speed).epsilon(1e-12));
       const double acceleration = std::hypot(at.x3.derivative(2), at.y3.derivative(2));
-      const auto specific = mechanism.specific_force(s.x, dxdt);
+      const auto specific = mechanism.specific_force(s.x, directions<E>(s.x), dxdt);
       const double rounding = 1e-9 * (acceleration + s.scene.gravity);
       REQUIRE(std::abs(specific.x - at.x3.derivative(2)) < rounding);
       REQUIRE(std::abs(specific.y - at.y3.derivative(2) - s.scene.gravity) < rounding);

@@ -55,6 +55,7 @@ template <class T, Effects E = Effects{}>
 class Mechanism {
  public:
   using X = State<T, E>;
+  using At = Directions<T, E>;  ///< of the angles of a state, for callers that know them
 
   Mechanism(const Scene& scene, const Design<T>& design) : scene_(scene), design_(design) {}
 
@@ -120,8 +121,9 @@ class Mechanism {
     T twice = T(inertia() * x[w1] * x[w1] + T(m.all) * tip * tip +
                 T(2 * m.coupling) * tip * along_tip + T(m.swinging) * swing_squared);
     if constexpr (E.hanger) {
-      const Vector<T> v = T(design_.r1 * x[w1]) * turned(arm(x)) +
-                          T(T(-scene_.counterweight_hanger) * x[w3]) * turned(hanger(x));
+      const At at = directions<E>(x);
+      const Vector<T> v = T(design_.r1 * x[w1]) * turned(arm(at)) +
+                          T(T(-scene_.counterweight_hanger) * x[w3]) * turned(hanger(at));
       twice += T(scene_.counterweight_mass) * dot(v, v);
     }
     return twice / T(2);
@@ -172,28 +174,33 @@ class Mechanism {
 
   /// (1) (2); below the arm's end with a hanger.
   Vector<T> counterweight(const X& x) const {
-    const Vector<T> end = design_.r1 * arm(x);
-    if constexpr (E.hanger) return end + T(-scene_.counterweight_hanger) * hanger(x);
+    const At at = directions<E>(x);
+    const Vector<T> end = design_.r1 * arm(at);
+    if constexpr (E.hanger) return end + T(-scene_.counterweight_hanger) * hanger(at);
     return end;
   }
 
   /// The end of the throwing arm, where the sling is attached.
-  Vector<T> arm_tip(const X& x) const { return -design_.r2 * arm(x); }
+  Vector<T> arm_tip(const X& x) const { return -design_.r2 * arm(directions<E>(x)); }
 
   /// (10) (11)
-  Vector<T> projectile(const X& x) const { return arm_tip(x) + -sling_length(x) * sling(x); }
+  Vector<T> projectile(const X& x, const At& at) const {
+    return -design_.r2 * arm(at) + -sling_length(x) * sling(at);
+  }
+  Vector<T> projectile(const X& x) const { return projectile(x, directions<E>(x)); }
 
   /// Velocity of the projectile, m/s: time derivative of (10) and (11).
-  Vector<T> velocity(const X& x) const {
+  Vector<T> velocity(const X& x, const At& at) const {
     Vector<T> v =
-        T(-design_.r2 * x[w1]) * turned(arm(x)) + T(-sling_length(x) * x[w2]) * turned(sling(x));
-    if constexpr (E.elastic) v = v + -x[stretching] * sling(x);
+        T(-design_.r2 * x[w1]) * turned(arm(at)) + T(-sling_length(x) * x[w2]) * turned(sling(at));
+    if constexpr (E.elastic) v = v + -x[stretching] * sling(at);
     return v;
   }
+  Vector<T> velocity(const X& x) const { return velocity(x, directions<E>(x)); }
 
   /// The acceleration of the projectile minus that of a free fall, m/s^2.
-  Vector<T> specific_force(const X& x, const X& dxdt) const {
-    return projectile_force(tip_force(x, dxdt), x, dxdt);
+  Vector<T> specific_force(const X& x, const At& at, const X& dxdt) const {
+    return projectile_force(tip_force(turning(x, at, dxdt)), x, at, dxdt);
   }
 
   /// Loads by Newton's second law from the accelerations of all masses; `normal` is the trough's
@@ -204,14 +211,15 @@ class Mechanism {
     using std::sqrt;
     const auto& [r1, r3, r2] = design_;
     const T m1(scene_.counterweight_mass), m3(scene_.projectile_mass), ms(scene_.sling_mass);
-    const Vector<T> up{T(0), T(scene_.gravity)}, a = arm(x), e = sling(x);
-    const Vector<T> turn = turning(x, dxdt);
-    const Vector<T> tip = tip_force(x, dxdt), end = projectile_force(tip, x, dxdt);
+    const At at = directions<E>(x);
+    const Vector<T> up{T(0), T(scene_.gravity)}, a = arm(at), e = sling(at);
+    const Vector<T> turn = turning(x, at, dxdt);
+    const Vector<T> tip = tip_force(turn), end = projectile_force(tip, x, at, dxdt);
     Vector<T> tension = m3 * end + T(ms / T(2)) * (tip + end);
     if constexpr (E.trough) tension.y = tension.y - normal;
     Vector<T> on_counterweight = r1 * turn + up;
     if constexpr (E.hanger) {
-      const Vector<T> b = hanger(x);
+      const Vector<T> b = hanger(at);
       const T r4(scene_.counterweight_hanger);
       on_counterweight =
           on_counterweight + T(-r4 * dxdt[w3]) * turned(b) + T(r4 * x[w3] * x[w3]) * b;
@@ -228,7 +236,7 @@ class Mechanism {
     loads.axle = sqrt(dot(axle, axle));
     loads.beam_stress = beam_stress(a, dxdt[w1], tension);
     if constexpr (E.hanger)
-      loads.hanger_tension = m1 * dot(on_counterweight, hanger(x));
+      loads.hanger_tension = m1 * dot(on_counterweight, hanger(at));
     else
       loads.hanger_tension = T(0);
     return loads;
@@ -244,46 +252,37 @@ class Mechanism {
 
  private:
   /// Unit vector from the fulcrum to the counterweight.
-  static Vector<T> arm(const X& x) {
-    const auto [sin, cos] = sin_cos(x[phi1]);
-    return {sin, cos};
-  }
+  static Vector<T> arm(const At& at) { return {at[sin1], at[cos1]}; }
 
   /// Unit vector from the projectile to the arm's tip.
-  static Vector<T> sling(const X& x) {
-    const auto [sin, cos] = sin_cos(x[phi2]);
-    return {sin, cos};
-  }
+  static Vector<T> sling(const At& at) { return {at[sin2], at[cos2]}; }
 
   /// Unit vector from the counterweight to the hinge.
-  static Vector<T> hanger(const X& x) {
-    const auto [sin, cos] = sin_cos(x[phi3]);
-    return {sin, cos};
-  }
+  static Vector<T> hanger(const At& at) { return {at[sin3], at[cos3]}; }
 
   /// Derivative of a unit vector with respect to its angle.
   static Vector<T> turned(const Vector<T>& a) { return {a.y, -a.x}; }
 
   /// Acceleration of a point at unit distance along the counterweight's arm.
-  static Vector<T> turning(const X& x, const X& dxdt) {
-    const Vector<T> a = arm(x);
+  static Vector<T> turning(const X& x, const At& at, const X& dxdt) {
+    const Vector<T> a = arm(at);
     return dxdt[w1] * turned(a) + T(-x[w1] * x[w1]) * a;
   }
 
-  /// Acceleration of the arm's tip; gravity acts like an upward acceleration.
-  Vector<T> tip_force(const X& x, const X& dxdt) const {
-    return -design_.r2 * turning(x, dxdt) + Vector<T>{T(0), T(scene_.gravity)};
+  /// Acceleration of the arm's tip, from turning(); gravity acts like an upward acceleration.
+  Vector<T> tip_force(const Vector<T>& turn) const {
+    return -design_.r2 * turn + Vector<T>{T(0), T(scene_.gravity)};
   }
 
   /// The same of the projectile, from that of the tip.
-  Vector<T> projectile_force(const Vector<T>& tip, const X& x, const X& dxdt) const {
+  Vector<T> projectile_force(const Vector<T>& tip, const X& x, const At& at, const X& dxdt) const {
     const T l = sling_length(x);
     T along = l * x[w2] * x[w2], across = -l * dxdt[w2];
     if constexpr (E.elastic) {
       along = along - dxdt[stretching];
       across = across - T(2) * x[stretching] * x[w2];
     }
-    const Vector<T> e = sling(x);
+    const Vector<T> e = sling(at);
     return tip + along * e + across * turned(e);
   }
 

@@ -103,7 +103,7 @@ Instant<T, E> event_between(const AngleEvent<Number>& event, Stepper& stepper,
 }
 
 /// Locates the turning point of the angle, where its rate is zero, within the step from `from` to
-/// `to`, over which the rate changes its sign.
+/// `to`, in the lanes in which the rate changes its sign; in others, the result has no meaning.
 template <class Number, class Stepper, class T, Effects E>
 Instant<T, E> turn_between(const AngleEvent<Number>& event, Stepper& stepper,
                            const Motion<T, E>& motion, const Instant<T, E>& from,
@@ -112,11 +112,13 @@ Instant<T, E> turn_between(const AngleEvent<Number>& event, Stepper& stepper,
   Instant<T, E> at;
   State<T, E> error;
   const T start = event.rate(from.x), end = event.rate(to.x);
+  const auto turns = T(start * end) <= T(0);
   // find_root() needs an increasing function.
   const T sign = select(start > T(0), T(-1), T(1));
   const auto slowing = [&](const T& part) {
     advance(stepper, motion, from, T(part * h), at, error);
-    return ValueAndSlope<T>{sign * event.rate(at.x), T(sign * h) * event.rate(at.dxdt)};
+    return ValueAndSlope<T>{select(turns, T(sign * event.rate(at.x)), T(0)),
+                            T(sign * h) * event.rate(at.dxdt)};
   };
   find_root(slowing, T(0), T(1), T(start / T(start - end)),
             T(8 * std::numeric_limits<Number>::epsilon()));
@@ -134,11 +136,13 @@ struct Bracket {
   T slope;      ///< an estimate of the function's derivative with respect to the fraction
 };
 
-/// Locates the root of f(instant), whose derivative is not known: slopes are those of secants. The
-/// precision is relative to the step.
+/// Locates the root of f(instant), whose derivative is not known: slopes are those of secants. Root
+/// finding stops within `precision` of the root, as a fraction of the step; the rest is
+/// extrapolated linearly.
 template <class Stepper, class T, Effects E, class F>
 Instant<T, E> root_in(const Bracket<T, E>& bracket, Stepper& stepper, const Motion<T, E>& motion,
                       F f, double precision) {
+  using std::abs;
   Instant<T, E> at;
   State<T, E> error;
   T last_part = bracket.guess, last_value = T(0), slope = bracket.slope;
@@ -146,13 +150,18 @@ Instant<T, E> root_in(const Bracket<T, E>& bracket, Stepper& stepper, const Moti
     advance(stepper, motion, bracket.from, T(part * bracket.h), at, error);
     const T value = f(at);
     const T distance = part - last_part;
-    const auto moved = (distance < T(0)) | (distance > T(0));
+    // Rounding errors would spoil the slope of a shorter secant.
+    const auto moved = abs(distance) > T(1e-6);
     slope = select(moved, T(T(value - last_value) / select(moved, distance, T(1))), slope);
     last_part = part;
     last_value = value;
     return ValueAndSlope<T>{value, slope};
   };
   find_root(value_and_slope, bracket.low, bracket.high, bracket.guess, T(precision));
+  const auto is_near = abs(last_value) <= T(T(precision) * slope);
+  const T dt = select(is_near, T(T(-last_value / slope) * bracket.h), T(0));
+  at.t = at.t + dt;
+  for (std::size_t i = 0; i < at.x.size(); ++i) at.x[i] = at.x[i] + dt * at.dxdt[i];
   return at;
 }
 

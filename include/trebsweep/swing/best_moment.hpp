@@ -15,12 +15,12 @@ namespace trebsweep {
 template <class T, Effects E>
 ValueAndSlope<T> worth(Release rule, const Mechanism<T, E>& mechanism, const Instant<T, E>& at,
                        double tolerance) {
-  const Vector<T> velocity = mechanism.velocity(at.x);
-  const Vector<T> force = mechanism.specific_force(at.x, at.dxdt);
+  const Vector<T> velocity = mechanism.velocity(at.x, at.directions);
+  const Vector<T> force = mechanism.specific_force(at.x, at.directions, at.dxdt);
   // A free flight does not change its own impact: only the rest of the acceleration does.
   if (rule == Release::farthest)
-    return range_and_slope(mechanism.scene(), mechanism.projectile(at.x), velocity, force,
-                           tolerance);
+    return range_and_slope(mechanism.scene(), mechanism.projectile(at.x, at.directions), velocity,
+                           force, tolerance);
   const Vector<T> acceleration = force + Vector<T>{T(0), T(-mechanism.scene().gravity)};
   return {dot(velocity, velocity), T(2) * dot(velocity, acceleration)};
 }
@@ -99,7 +99,7 @@ Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, Stepper& 
     const T rate = worth(rule, mechanism, at, std::max(450 * epsilon, 1e-17)).slope;
     return select(located, T(-rate), T(0));
   };
-  Instant<T, E> at = root_in(bracket, stepper, motion, falling, 4500 * epsilon);
+  Instant<T, E> at = root_in(bracket, stepper, motion, falling, std::sqrt(epsilon) / 100);
   copy_where<T>(!located, at, best.bracket.from);
   return at;
 }

@@ -45,7 +45,7 @@ class LiftOffQueue {
       copy_lane<T>(waiting_.swings, lane, waiting_.swings, 0);
     auto& [state, record, from, to] = waiting_.swings;
     to = lift_off_between(stepper, state.motion, from, to);
-    if (request_.any()) {
+    if constexpr (has_fields<T>) {
       const Mechanism<T, E> mechanism(scene, state.design);
       record = record_step(record, request_, stepper, tolerance_, state.motion, mechanism, from, to,
                            T(to.t - from.t));

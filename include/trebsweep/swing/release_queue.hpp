@@ -56,12 +56,7 @@ class ReleaseQueue {
     else if (!rule_.is_window())
       to = event_between(rule_.event(), stepper, motion, from, to);
     const T speed = mechanism.speed(to.x);
-    const auto flight =
-        flying_ ? trebsweep::flight(scene_, mechanism.projectile(to.x), mechanism.velocity(to.x))
-                : Flight<T>{};
-    write_fields(stepper, mechanism, flight);
-    // Only a flight through very strong drag may have no range, but still has an apex.
-    const LaneMask below_ground = flying_ ? lanes_of(!(flight.apex >= T(0))) : 0;
+    const LaneMask below_ground = write_fields(stepper, mechanism);
     for (std::size_t lane = 0; lane < size_; ++lane) {
       const Status status = !is_finite(to, lane)              ? Status::non_finite
                             : get_lane(to.t, lane) > latest_  ? Status::not_released
@@ -89,6 +84,7 @@ class ReleaseQueue {
   /// step; with an infinite time where there is none.
   void choose(Stepper& stepper, const Mechanism<T, E>& mechanism) {
     auto& [design, motion, from, to, record, best] = pending_;
+    rule_.end_at_turning_points(~LaneMask{0}, stepper, motion, from, to);
     to = end_of_interval(stepper, motion, from, to, T(Number(solver_.max_time)));
     try_step_of_swing(best, solver_.release, parts_to_search<Stepper>, motion, mechanism, from, to,
                       T(to.t - from.t), record);
@@ -100,17 +96,28 @@ class ReleaseQueue {
     to.t = select(best.worth > T(-infinity), to.t, infinity);
   }
 
-  void write_fields(Stepper& stepper, const Mechanism<T, E>& mechanism, const Flight<T>& flight) {
-    if (fields_.empty()) return;
-    auto& [design, motion, from, to, record, best] = pending_;
-    if (request_.steps())
-      record = record_step(record, request_, stepper, solver_.tolerance, motion, mechanism, from,
-                           to, step_between(from, to));
-    for (std::size_t f = 0; f < fields_.size(); ++f) {
-      const T value = value_at_release(fields_[f], mechanism, to.x, record, flight);
-      for (std::size_t lane = 0; lane < size_; ++lane)
-        values_[index_[lane] * fields_.size() + f] = static_cast<double>(get_lane(value, lane));
+  /// Returns the lanes that are below the ground, if a field of the flight is requested.
+  LaneMask write_fields(Stepper& stepper, const Mechanism<T, E>& mechanism) {
+    LaneMask below_ground = 0;
+    if constexpr (has_fields<T>) {
+      if (fields_.empty()) return 0;
+      auto& [design, motion, from, to, record, best] = pending_;
+      if (request_.steps())
+        record = record_step(record, request_, stepper, solver_.tolerance, motion, mechanism, from,
+                             to, step_between(from, to));
+      Flight<T> flight{};
+      if (flying_) {
+        flight = trebsweep::flight(scene_, mechanism.projectile(to.x), mechanism.velocity(to.x));
+        // Even where very strong drag prevents a range, there is an apex above the ground.
+        below_ground = lanes_of(!(flight.apex >= T(0)));
+      }
+      for (std::size_t f = 0; f < fields_.size(); ++f) {
+        const T value = value_at_release(fields_[f], mechanism, to.x, record, flight);
+        for (std::size_t lane = 0; lane < size_; ++lane)
+          values_[index_[lane] * fields_.size() + f] = get_lane(value, lane);
+      }
     }
+    return below_ground;
   }
 
   const Scene scene_;

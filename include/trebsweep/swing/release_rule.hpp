@@ -52,8 +52,10 @@ class ReleaseRule {
   /// Whether the angle passes its target in a lane. A start beyond it does not.
   template <class T, Effects E>
   bool passes(std::size_t lane, const Instant<T, E>& from, const Instant<T, E>& to) const {
-    return get_lane(event_.value(to.x), lane) >= event_.target &&
-           get_lane(event_.value(from.x), lane) < event_.target;
+    const auto angle = [&](const Instant<T, E>& at) {
+      return event_.value(std::array{get_lane(at.x[phi1], lane), get_lane(at.x[phi2], lane)});
+    };
+    return angle(to) >= event_.target && angle(from) < event_.target;
   }
 
   /// Where the angle turns back within a step of the lanes in `mask`, having possibly passed its

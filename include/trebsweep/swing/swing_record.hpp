@@ -13,6 +13,11 @@
 
 namespace trebsweep {
 
+/// Whether fields are computed in a number type. References in wider types only need the speed, and
+/// compile faster.
+template <class T>
+inline constexpr bool has_fields = std::is_same_v<typename Lanes<T>::Number, double>;
+
 /// The time of the lift-off, extremes of the loads, and the energy lost, from the start of a swing
 /// on. Only what the fields need is recorded.
 template <class T>

@@ -118,7 +118,8 @@ class Swings {
   /// resets those of swings that have ended.
   void follow(const Instant& from, const Instant& to, const T& h) {
     if (rule_.chooses()) search(from, to, h);
-    if (request_.steps()) record(from, to, h);
+    if constexpr (has_fields<T>)
+      if (request_.steps()) record(from, to, h);
   }
 
   [[gnu::noinline]] void record(const Instant& from, const Instant& to, const T& h) {
@@ -168,7 +169,7 @@ class Swings {
     if constexpr (!adaptive) set_times(events, from, to);
     LaneMask ended = 0;
     [[maybe_unused]] const LaneMask turning = events & accepted;
-    if (!rule_.is_window())
+    if (!rule_.is_window() && !rule_.chooses())
       rule_.end_at_turning_points(events & accepted & ~sliding_lanes(), stepper_, lanes_.motion,
                                   from, to);
     for (; events != 0; events &= events - 1) {
