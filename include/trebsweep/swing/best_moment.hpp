@@ -17,10 +17,10 @@ ValueAndSlope<T> worth(Release rule, const Mechanism<T, E>& mechanism, const Ins
                        double tolerance) {
   const Vector<T> velocity = mechanism.velocity(at.x, at.directions);
   const Vector<T> force = mechanism.specific_force(at.x, at.directions, at.dxdt);
-  // A free flight does not change its own impact: only the rest of the acceleration does.
+  // A flight does not change its own impact: only the rest of the acceleration does.
   if (rule == Release::farthest)
     return range_and_slope(mechanism.scene(), mechanism.projectile(at.x, at.directions), velocity,
-                           force, tolerance);
+                           force + deceleration(mechanism.scene(), velocity), tolerance);
   const Vector<T> acceleration = force + Vector<T>{T(0), T(-mechanism.scene().gravity)};
   return {dot(velocity, velocity), T(2) * dot(velocity, acceleration)};
 }
@@ -104,8 +104,8 @@ Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, Stepper& 
   return at;
 }
 
-/// The end of the interval within the last step, from `from` to `to`: where phi1 = 3 pi/2, where
-/// the arm turns back, or at max_time.
+/// The end of the interval within the last step, from `from` to `to`: the first of phi1 = 3 pi/2,
+/// the arm turning back, and max_time.
 template <class Stepper, class T, Effects E>
 Instant<T, E> end_of_interval(Stepper& stepper, const Motion<T, E>& motion,
                               const Instant<T, E>& from, const Instant<T, E>& to,
@@ -120,13 +120,15 @@ Instant<T, E> end_of_interval(Stepper& stepper, const Motion<T, E>& motion,
   State<T, E> error;
   const auto beyond = [&](const T& part) {
     advance(stepper, motion, from, T(part * h), at, error);
-    const T value =
-        select(passes, T(at.x[phi1] - angle), select(turns, T(-at.x[w1]), T(part - end)));
+    const T late = part - end;
+    const T value = select(passes, T(at.x[phi1] - angle), select(turns, T(-at.x[w1]), late));
     const T slope = select(passes, at.x[w1], select(turns, T(-at.dxdt[w1]), T(T(1) / h)));
-    return ValueAndSlope<T>{value, h * slope};
+    const auto limited = value < late;
+    return ValueAndSlope<T>{select(limited, late, value), select(limited, T(1), T(h * slope))};
   };
   const T turn = from.x[w1] / select(turns, T(from.x[w1] - to.x[w1]), T(1));
-  find_root(beyond, T(0), T(1), select(turns, turn, select(passes, T(0.5), end)),
+  // The end of the step, which is the most frequent root, must be inside the bracket.
+  find_root(beyond, T(0), T(1.01), select(turns, turn, select(passes, T(0.5), end)),
             T(4500 * std::numeric_limits<Number>::epsilon()));
   return at;
 }

@@ -66,6 +66,14 @@ Flight<T> flight(const Scene& scene, const Vector<T>& position, const Vector<T>&
   return {x, at.time, sqrt(T(vx * vx + vy * vy)), apex};
 }
 
+/// The deceleration (m/s^2) of a flight by drag.
+template <class T>
+Vector<T> deceleration(const Scene& scene, const Vector<T>& velocity) {
+  using std::sqrt;
+  const Vector<T> through_air = velocity + Vector<T>{T(-scene.wind), T(0)};
+  return T(T(drag_constant(scene)) * sqrt(dot(through_air, through_air))) * through_air;
+}
+
 /// The range (m) and its derivative when `velocity` changes along `change` (in any unit). Drag is
 /// integrated with a relative error of about `tolerance`. The derivative of a flight that ends
 /// where it starts is zero.

@@ -53,7 +53,7 @@ class LiftOffQueue {
     record.lift_off_time = to.t;
     observe(from, to);
     state.motion.set_sliding(T(0));
-    state.motion.rates(to.x, to.directions, to.dxdt);
+    to = instant(state.motion, to.t, to.x);
     located_.push_back(waiting_);
     waiting_.size = 0;
   }

@@ -84,16 +84,20 @@ class ReleaseQueue {
   /// step; with an infinite time where there is none.
   void choose(Stepper& stepper, const Mechanism<T, E>& mechanism) {
     auto& [design, motion, from, to, record, best] = pending_;
+    const T infinity = std::numeric_limits<double>::infinity();
     rule_.end_at_turning_points(~LaneMask{0}, stepper, motion, from, to);
     to = end_of_interval(stepper, motion, from, to, T(Number(solver_.max_time)));
     try_step_of_swing(best, solver_.release, parts_to_search<Stepper>, motion, mechanism, from, to,
                       T(to.t - from.t), record);
-    try_instant(best, worth(solver_.release, mechanism, to, 1e-5).value, to, record);
-    to = best_instant(best, solver_.release, stepper, motion, mechanism);
-    from = best.bracket.from;
-    record = best.record;
-    const T infinity = std::numeric_limits<double>::infinity();
-    to.t = select(best.worth > T(-infinity), to.t, infinity);
+    const auto is_better = worth(solver_.release, mechanism, to, 1e-5).value > best.worth;
+    const auto exists = is_better | (best.worth > T(-infinity));
+    Instant<T, E> moment = best_instant(best, solver_.release, stepper, motion, mechanism);
+    const auto at_end = is_better | (moment.t > to.t);
+    copy_where<T>(at_end, moment, to);
+    copy_where<T>(!at_end, from, best.bracket.from);
+    copy_where<T>(!at_end, record, best.record);
+    to = moment;
+    to.t = select(exists, to.t, infinity);
   }
 
   /// Returns the lanes that are below the ground, if a field of the flight is requested.

@@ -58,6 +58,13 @@ class ReleaseRule {
     return angle(to) >= event_.target && angle(from) < event_.target;
   }
 
+  /// Whether the step ends the swing of a lane whose projectile still slides; a pin's angle counts
+  /// after the lift-off only.
+  template <class T, Effects E>
+  bool ends_sliding(std::size_t lane, const Instant<T, E>& from, const Instant<T, E>& to) const {
+    return !event_.of_sling && passes(lane, from, to);
+  }
+
   /// Where the angle turns back within a step of the lanes in `mask`, having possibly passed its
   /// target, makes the turning point the end of the step.
   template <class Stepper, class T, Effects E>

@@ -194,7 +194,8 @@ class Swings {
       const Number t = get_lane(to.t, lane);
       const bool late = t > latest_;
       const bool sliding = (sliding_lanes() >> lane & 1) != 0;
-      if (sliding && lifts_off(lane)) {
+      if (sliding && lifts_off(lane) && steps(lane) < solver_.max_steps) {
+        if (late && !lifts_off_in_time(lane, from)) return end(Status::never_lifted, from);
         lift_offs_.push(lane, owner_[lane].index, steps(lane), lanes_, record_, from, to);
         if (lift_offs_.full()) locate_lift_offs();
         return true;
@@ -206,7 +207,7 @@ class Swings {
       }
       const Status unreleased = sliding ? Status::never_lifted : Status::not_released;
       if (late) return end(unreleased, from);
-      if (t >= Number(solver_.max_time) || (sliding && rule_.passes(lane, from, to)))
+      if (t >= Number(solver_.max_time) || (sliding && rule_.ends_sliding(lane, from, to)))
         return end(unreleased, to);
     } else if (step_underflows(lane, from)) {
       return end(Status::step_underflow, from);
@@ -227,6 +228,14 @@ class Swings {
     return lanes_of((normal_force_ <= T(0)) & (lanes_.motion.sliding() > T(0)));
   }
   bool lifts_off(std::size_t lane) const { return get_lane(normal_force_, lane) <= Number(0); }
+
+  /// Whether a lane lifts off before max_time, within a fixed step that ends later.
+  bool lifts_off_in_time(std::size_t lane, const Instant& from) {
+    Instant at;
+    State<T, E> no_error_estimate;
+    advance(stepper_, lanes_.motion, from, T(max_time_ - from.t), at, no_error_estimate);
+    return get_lane(lanes_.motion.normal_force(at.x, at.directions), lane) <= Number(0);
+  }
 
   void locate_lift_offs() {
     if constexpr (E.trough)
@@ -272,6 +281,8 @@ class Swings {
   /// at the turning point, or at the end of the step of a fixed-step method.
   void apply_static_friction(LaneMask mask, const Instant& from, Instant& to) {
     mask &= lanes_of((from.x[w1] * to.x[w1]) < T(0));
+    // A projectile that slides through below the arm's tip turns the arm back without a stop.
+    if constexpr (E.trough) mask &= ~(sliding_lanes() & lanes_of((from.x[w2] * to.x[w2]) > T(0)));
     if (mask == 0) return;
     Instant turn = to;
     const AngleEvent<Number> arm{false, Number(0)};
