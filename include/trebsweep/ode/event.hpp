@@ -165,19 +165,21 @@ Instant<T, E> root_in(const Bracket<T, E>& bracket, Stepper& stepper, const Moti
   return at;
 }
 
-/// Locates the lift-off within the step from `from`, where the trough carries the projectile, to
-/// `to`, where it would have to pull: the normal force is zero. As it then is continuous, an error
-/// of the lift-off's time changes the swing by its square.
+/// Locates the lift-off, where the trough's force on the projectile is zero, within the step of
+/// length h from `from`, where it is positive, before the fraction `high` of the step, where it is
+/// about `force_at_high`, which is not. As accelerations are continuous, an error of the lift-off's
+/// time changes the swing by its square.
 template <class Stepper, class T, Effects E>
-Instant<T, E> lift_off_between(Stepper& stepper, const Motion<T, E>& motion,
-                               const Instant<T, E>& from, const Instant<T, E>& to) {
+Instant<T, E> lift_off_within(Stepper& stepper, const Motion<T, E>& motion,
+                              const Instant<T, E>& from, const T& h, const T& high,
+                              const T& force_at_high) {
   using std::sqrt;
   using Number = typename Lanes<T>::Number;
   const auto lack = [&](const Instant<T, E>& at) {
     return T(-motion.normal_force(at.x, at.directions));
   };
-  const T start = lack(from), rise = lack(to) - start;
-  const Bracket<T, E> bracket{from, to.t - from.t, T(0), T(1), T(-start / rise), rise};
+  const T start = lack(from), slope = T(-force_at_high - start) / high;
+  const Bracket<T, E> bracket{from, h, T(0), high, T(-start / slope), slope};
   const auto epsilon = static_cast<double>(std::numeric_limits<Number>::epsilon());
   return root_in(bracket, stepper, motion, lack, sqrt(epsilon));
 }

@@ -9,34 +9,39 @@
 
 namespace trebsweep {
 
-/// What a release at a moment of the swing is worth, and the rate of that along the swing: the
-/// range by the rule farthest, the square of the speed by the rule fastest. NaN where there is no
-/// range.
+/// What a release at a moment of the swing is worth.
+template <class T>
+struct Worth {
+  T value;      ///< the range by the rule farthest, the square of the speed by the rule fastest
+  T slope;      ///< its rate along the swing
+  T clearance;  ///< m: below zero, there is no worth, and value and slope are NaN
+};
+
 template <class T, Effects E>
-ValueAndSlope<T> worth(Release rule, const Mechanism<T, E>& mechanism, const Instant<T, E>& at,
-                       double tolerance) {
+Worth<T> worth(Release rule, const Mechanism<T, E>& mechanism, const Instant<T, E>& at,
+               double tolerance) {
   const Vector<T> velocity = mechanism.velocity(at.x, at.directions);
   const Vector<T> force = mechanism.specific_force(at.x, at.directions, at.dxdt);
-  // A flight does not change its own impact: only the rest of the acceleration does.
-  if (rule == Release::farthest)
-    return range_and_slope(mechanism.scene(), mechanism.projectile(at.x, at.directions), velocity,
-                           force + deceleration(mechanism.scene(), velocity), tolerance);
-  const Vector<T> acceleration = force + Vector<T>{T(0), T(-mechanism.scene().gravity)};
-  return {dot(velocity, velocity), T(2) * dot(velocity, acceleration)};
+  const Scene& scene = mechanism.scene();
+  if (rule == Release::farthest) {
+    const Vector<T> position = mechanism.projectile(at.x, at.directions);
+    // A flight does not change its own impact: only the rest of the acceleration does.
+    const auto range = range_and_slope(scene, position, velocity,
+                                       force + deceleration(scene, velocity), tolerance);
+    return {range.value, range.slope, position.y + T(scene.fulcrum_height)};
+  }
+  const Vector<T> acceleration = force + Vector<T>{T(0), T(-scene.gravity)};
+  return {dot(velocity, velocity), T(2) * dot(velocity, acceleration), T(1)};
 }
-
-/// The number of parts of a step in which the best moment is searched for separately: adaptive
-/// methods take long steps.
-template <class Stepper>
-inline constexpr int parts_to_search = is_adaptive<Stepper> ? 4 : 1;
 
 /// The best moment of a swing so far.
 template <class T, Effects E>
 struct BestMoment {
   T worth = -std::numeric_limits<double>::infinity();  ///< an estimate
-  /// The part of a step in which the rate of the worth falls through zero; if `low` is `high`, the
-  /// moment is at the start of the step.
+  /// The part of a step in which the rate of the worth, or the clearance, falls through zero; if
+  /// `low` is `high`, the moment is at the start of the step.
   Bracket<T, E> bracket;
+  T sinks = 0;            ///< 1 if it is the clearance
   SwingRecord<T> record;  ///< up to the start of the step
 };
 
@@ -50,7 +55,7 @@ void improve(BestMoment<T, E>& best, const BestMoment<T, E>& candidate) {
 template <class T, Effects E>
 void try_instant(BestMoment<T, E>& best, const T& worth, const Instant<T, E>& at,
                  const SwingRecord<T>& record) {
-  improve(best, {worth, {at, T(1), T(0), T(0), T(0), T(1)}, record});
+  improve(best, {worth, {at, T(1), T(0), T(0), T(0), T(1)}, T(0), record});
 }
 
 /// Makes the best moment within a step the best moment in the lanes where it is better, and where
@@ -72,13 +77,17 @@ template <class T, Effects E>
     const Instant<T, E> at =
         i == parts ? to : instant(motion, T(0), between(static_cast<double>(i) / parts));
     const auto next = worth(rule, mechanism, at, tolerance);
-    const T fall = last.slope - next.slope, part = last.slope / fall;
+    const auto sinks = (last.slope > T(0)) & (next.clearance < T(0));
     const auto peaks = (last.slope > T(0)) & (next.slope <= T(0));
+    // The rate falls nearly linearly; so does the clearance.
+    const T start = select(sinks, last.clearance, last.slope);
+    const T fall = start - select(sinks, next.clearance, next.slope);
+    const T part = start / fall, mean = select(sinks, last.slope, T(T(0.5) * last.slope));
     const T low = static_cast<double>(i - 1) / parts, length = 1.0 / parts;
-    // The rate falls nearly linearly.
-    const T value = last.value + T(0.5 / parts) * h * last.slope * part;
-    improve(best, {select(peaks, value, none),
+    const T value = last.value + T(1.0 / parts) * h * mean * part;
+    improve(best, {select(peaks | sinks, value, none),
                    {from, h, low, low + length, low + length * part, fall * T(parts)},
+                   select(sinks, T(1), T(0)),
                    record});
     last = next;
   }
@@ -96,8 +105,11 @@ Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, Stepper& 
   bracket.low = bracket.low - T(0.01);
   bracket.high = bracket.high + T(0.01);
   const auto falling = [&](const Instant<T, E>& at) {
-    const T rate = worth(rule, mechanism, at, std::max(450 * epsilon, 1e-17)).slope;
-    return select(located, T(-rate), T(0));
+    constexpr double margin = 1e-9;  // m: on the ground, rounding errors would decide
+    const auto [value, slope, clearance] =
+        worth(rule, mechanism, at, std::max(450 * epsilon, 1e-17));
+    const T above = select(best.sinks > T(0), T(clearance - T(margin)), slope);
+    return select(located, T(-above), T(0));
   };
   Instant<T, E> at = root_in(bracket, stepper, motion, falling, std::sqrt(epsilon) / 100);
   copy_where<T>(!located, at, best.bracket.from);

@@ -40,6 +40,11 @@ struct LaneOwner {
   }
 };
 
+/// The number of parts of a step that are searched separately for lift-offs and best moments:
+/// adaptive methods take long steps.
+template <class Stepper>
+inline constexpr int parts_to_search = is_adaptive<Stepper> ? 4 : 1;
+
 /// The time between two instants, s. If there is none, a negligible time: steppers need a length
 /// that is not zero.
 template <class T, Effects E>

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "trebsweep/ode/event.hpp"
+#include "trebsweep/ode/interpolation.hpp"
 #include "trebsweep/swing/lane_state.hpp"
 #include "trebsweep/swing/swing_record.hpp"
 
@@ -17,6 +18,36 @@ class LiftOffQueue {
  public:
   LiftOffQueue(const Solver& solver, const RecordRequest& request)
       : tolerance_(solver.tolerance), request_(request) {}
+
+  /// The lanes whose projectile slides at the start of a step and would have to be pulled into the
+  /// trough at a later instant of it. The motion is interpolated at the ends of parts.
+  LaneMask find(const Motion<T, E>& motion, const Instant<T, E>& from, const Instant<T, E>& to) {
+    const auto sliding = motion.sliding() > T(0);
+    if (lanes_of(sliding) == 0) return 0;
+    constexpr int parts = parts_to_search<Stepper>;
+    const Quintic<T, E> between(from, to, step_between(from, to));
+    normal_ = motion.normal_force(to.x, to.directions);
+    part_ = 1;
+    for (int i = parts - 1; i > 0; --i) {
+      const State<T, E> x = between(static_cast<double>(i) / parts);
+      const T normal = motion.normal_force(x, directions<E>(x));
+      part_ = select(normal <= T(0), T(static_cast<double>(i) / parts), part_);
+      normal_ = select(normal <= T(0), normal, normal_);
+    }
+    return lanes_of((normal_ <= T(0)) & sliding);
+  }
+
+  /// Whether the swing in a lane, which slides, lifts off in the step given to find().
+  bool finds(std::size_t lane) const { return get_lane(normal_, lane) <= Number(0); }
+
+  /// Whether it does so before `limit`, within a fixed step that ends later.
+  bool finds_before(const T& limit, std::size_t lane, Stepper& stepper, const Motion<T, E>& motion,
+                    const Instant<T, E>& from) const {
+    Instant<T, E> at;
+    State<T, E> no_error_estimate;
+    advance(stepper, motion, from, T(limit - from.t), at, no_error_estimate);
+    return get_lane(motion.normal_force(at.x, at.directions), lane) <= Number(0);
+  }
 
   bool full() const { return waiting_.size == lanes; }
   bool empty() const { return waiting_.size == 0 && located_.empty(); }
@@ -31,6 +62,8 @@ class LiftOffQueue {
     copy_lane<T>(swings.record, size, record, lane);
     copy_lane<T>(swings.from, size, from, lane);
     copy_lane<T>(swings.to, size, to, lane);
+    copy_lane<T>(swings.part, size, part_, lane);
+    copy_lane<T>(swings.normal, size, normal_, lane);
     indices[size] = index;
     all_steps[size] = steps;
     ++size;
@@ -43,8 +76,8 @@ class LiftOffQueue {
     if (waiting_.size == 0) return;
     for (std::size_t lane = waiting_.size; lane < lanes; ++lane)
       copy_lane<T>(waiting_.swings, lane, waiting_.swings, 0);
-    auto& [state, record, from, to] = waiting_.swings;
-    to = lift_off_between(stepper, state.motion, from, to);
+    auto& [state, record, from, to, part, normal] = waiting_.swings;
+    to = lift_off_within(stepper, state.motion, from, T(to.t - from.t), part, normal);
     if constexpr (has_fields<T>) {
       const Mechanism<T, E> mechanism(scene, state.design);
       record = record_step(record, request_, stepper, tolerance_, state.motion, mechanism, from, to,
@@ -77,12 +110,14 @@ class LiftOffQueue {
   }
 
  private:
+  using Number = typename Lanes<T>::Number;
   static constexpr std::size_t lanes = Lanes<T>::count;
 
   struct Pending {
     LaneState<T, E> state;
     SwingRecord<T> record;
     Instant<T, E> from, to;
+    T part, normal;  // see find()
   };
   struct Swings {
     Pending swings{};
@@ -92,6 +127,7 @@ class LiftOffQueue {
 
   double tolerance_;
   RecordRequest request_;
+  T part_{}, normal_{};
   Swings waiting_;
   std::vector<Swings> located_;
 };

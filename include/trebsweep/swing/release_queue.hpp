@@ -51,8 +51,9 @@ class ReleaseQueue {
     for (std::size_t lane = size_; lane < lanes; ++lane) copy_lane<T>(pending_, lane, pending_, 0);
     auto& [design, motion, from, to, record, best] = pending_;
     const Mechanism<T, E> mechanism(scene_, design);
+    LaneMask released = ~LaneMask{0};
     if (rule_.chooses())
-      choose(stepper, mechanism);
+      released = choose(stepper, mechanism);
     else if (!rule_.is_window())
       to = event_between(rule_.event(), stepper, motion, from, to);
     const T speed = mechanism.speed(to.x);
@@ -60,6 +61,7 @@ class ReleaseQueue {
     for (std::size_t lane = 0; lane < size_; ++lane) {
       const Status status = !is_finite(to, lane)              ? Status::non_finite
                             : get_lane(to.t, lane) > latest_  ? Status::not_released
+                            : (released >> lane & 1) == 0     ? Status::not_released
                             : (below_ground >> lane & 1) != 0 ? Status::released_below_ground
                                                               : Status::released;
       done(index_[lane], outcome_of(status, to, lane, get_lane(speed, lane), steps_[lane]), from,
@@ -81,23 +83,22 @@ class ReleaseQueue {
   };
 
   /// Makes the best moment of the interval, which ends with the last step, the end of the last
-  /// step; with an infinite time where there is none.
-  void choose(Stepper& stepper, const Mechanism<T, E>& mechanism) {
+  /// step. Returns the lanes that have one.
+  LaneMask choose(Stepper& stepper, const Mechanism<T, E>& mechanism) {
     auto& [design, motion, from, to, record, best] = pending_;
-    const T infinity = std::numeric_limits<double>::infinity();
     rule_.end_at_turning_points(~LaneMask{0}, stepper, motion, from, to);
     to = end_of_interval(stepper, motion, from, to, T(Number(solver_.max_time)));
     try_step_of_swing(best, solver_.release, parts_to_search<Stepper>, motion, mechanism, from, to,
                       T(to.t - from.t), record);
     const auto is_better = worth(solver_.release, mechanism, to, 1e-5).value > best.worth;
-    const auto exists = is_better | (best.worth > T(-infinity));
+    const auto exists = best.worth > T(-std::numeric_limits<double>::infinity());
     Instant<T, E> moment = best_instant(best, solver_.release, stepper, motion, mechanism);
-    const auto at_end = is_better | (moment.t > to.t);
+    const auto at_end = is_better | (moment.t > to.t) | !exists;
     copy_where<T>(at_end, moment, to);
     copy_where<T>(!at_end, from, best.bracket.from);
     copy_where<T>(!at_end, record, best.record);
     to = moment;
-    to.t = select(exists, to.t, infinity);
+    return lanes_of(is_better | exists);
   }
 
   /// Returns the lanes that are below the ground, if a field of the flight is requested.

@@ -79,7 +79,7 @@ class Swings {
     advance(stepper_, lanes_.motion, from, lanes_.h, to, no_error_estimate);
     LaneMask events = rule_.possible(from, to);
     if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
-    if constexpr (E.trough) events |= lifting_lanes(to);
+    if constexpr (E.trough) events |= lift_offs_.find(lanes_.motion, from, to);
     const LaneMask ended = check_events(events, ~LaneMask{0}, from, to);
     if constexpr (lanes == 1) {
       if (ended == 0) {
@@ -103,12 +103,11 @@ class Swings {
     LaneMask events =
         rule_.possible(from, to) | lanes_of((to.t >= max_time_) | (lanes_.h < shortest_step_));
     if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
-    if constexpr (E.trough) events |= lifting_lanes(to);
+    if constexpr (E.trough) events |= lift_offs_.find(lanes_.motion, from, to);
     const LaneMask accepted = lanes_of(good);
     const LaneMask ended = check_events(events, accepted, from, to);
-    if constexpr (lanes == 1) {
+    if constexpr (lanes == 1)
       if (good && ended == 0) observe_(from, to);
-    }
     if ((~accepted & active_) != 0) copy_where<T>(!good, to, from);
     follow(from, to, step_between(from, to));  // a rejected step adds nothing
     return ended;
@@ -194,8 +193,9 @@ class Swings {
       const Number t = get_lane(to.t, lane);
       const bool late = t > latest_;
       const bool sliding = (sliding_lanes() >> lane & 1) != 0;
-      if (sliding && lifts_off(lane) && steps(lane) < solver_.max_steps) {
-        if (late && !lifts_off_in_time(lane, from)) return end(Status::never_lifted, from);
+      if (sliding && lift_offs_.finds(lane) && steps(lane) < solver_.max_steps) {
+        if (late && !lift_offs_.finds_before(max_time_, lane, stepper_, lanes_.motion, from))
+          return end(Status::never_lifted, from);
         lift_offs_.push(lane, owner_[lane].index, steps(lane), lanes_, record_, from, to);
         if (lift_offs_.full()) locate_lift_offs();
         return true;
@@ -222,21 +222,6 @@ class Swings {
     return 0;
   }
 
-  /// The lanes whose projectile slides and is not pressed into the trough any more.
-  LaneMask lifting_lanes(const Instant& to) {
-    normal_force_ = lanes_.motion.normal_force(to.x, to.directions);
-    return lanes_of((normal_force_ <= T(0)) & (lanes_.motion.sliding() > T(0)));
-  }
-  bool lifts_off(std::size_t lane) const { return get_lane(normal_force_, lane) <= Number(0); }
-
-  /// Whether a lane lifts off before max_time, within a fixed step that ends later.
-  bool lifts_off_in_time(std::size_t lane, const Instant& from) {
-    Instant at;
-    State<T, E> no_error_estimate;
-    advance(stepper_, lanes_.motion, from, T(max_time_ - from.t), at, no_error_estimate);
-    return get_lane(lanes_.motion.normal_force(at.x, at.directions), lane) <= Number(0);
-  }
-
   void locate_lift_offs() {
     if constexpr (E.trough)
       lift_offs_.locate(
@@ -251,9 +236,8 @@ class Swings {
         stepper_, [&](std::uint64_t index, const auto& outcome,
                       [[maybe_unused]] const Instant& from, [[maybe_unused]] const Instant& to) {
           done_(index, outcome);
-          if constexpr (lanes == 1) {
+          if constexpr (lanes == 1)
             if (has_speed(outcome.status)) observe_(from, to);
-          }
         });
   }
 
