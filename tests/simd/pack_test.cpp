@@ -11,6 +11,13 @@
 #include "trebsweep/swing/swing.hpp"
 #include "trebsweep/swing/swings.hpp"
 
+// The kernel library hides its own.
+template trebsweep::Flight<trebsweep::Pack<2>> trebsweep::flight(const Scene&,
+                                                                 const Vector<Pack<2>>&,
+                                                                 const Vector<Pack<2>>&);
+template trebsweep::ValueAndSlope<trebsweep::Pack<2>> trebsweep::range_and_slope(
+    const Scene&, const Vector<Pack<2>>&, const Vector<Pack<2>>&, const Vector<Pack<2>>&, double);
+
 using namespace trebsweep;
 
 namespace {
@@ -164,7 +171,8 @@ TEST_CASE(
 TEST_CASE("Lanes agree with the same swing in scalars") {
   for (const auto name : stepper_names) {
     if (!is_for_packs(name)) continue;
-    const Solver solver{.stepper = std::string(name)};
+    Solver solver;
+    solver.stepper = name;
     const auto lanes = with_pack_stepper(
         name, [&]<template <class, Effects = Effects{}> class Stepper>() {
           return integrate_all<Stepper<One>, One>(solver);
