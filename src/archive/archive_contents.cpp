@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
+#include <cmath>
 #include <stdexcept>
 
 #include "trebsweep/archive/archive_format.hpp"
@@ -20,21 +20,16 @@ std::size_t read_edge(hid_t tile_done, const char* name, std::size_t extent) {
   return static_cast<std::size_t>(edge);
 }
 
-/// The tallies of the first `done` tiles.
-std::vector<TallyRow> read_tallies(hid_t file, std::uint64_t tiles, std::uint64_t done) {
+/// The tallies of the tiles that are done.
+std::vector<TallyRow> read_tallies(hid_t file, const ArchiveContents& contents) {
   const auto values = hdf5::read_numbers(file, "tile_tally");
-  constexpr std::size_t columns = tally_columns.size();
-  // Archives of format version 3 lack the last columns, the first cell of each status.
-  constexpr std::size_t former_columns = columns - status_names.size();
-  const bool is_former = values.size() == tiles * former_columns;
-  if (values.size() != tiles * columns && !is_former)
+  const auto columns = stored_columns(contents.format_version);
+  if (values.size() != contents.tiles * columns.size())
     untrusted::fail("tile_tally does not have one row per tile");
-  const std::size_t stored = is_former ? former_columns : columns;
-  std::vector<TallyRow> rows(done);
-  for (std::uint64_t t = 0; t < done; ++t) {
-    rows[t].fill(-1);  // no cell
-    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(t * stored), stored, rows[t].begin());
-  }
+  std::vector<TallyRow> rows(contents.tiles_done, to_row(Tally{}));
+  for (std::size_t t = 0; t < rows.size(); ++t)
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      rows[t][columns[c]] = values[t * columns.size() + c];
   return rows;
 }
 
@@ -62,8 +57,9 @@ void check_maps(hid_t file, const ArchiveContents& contents) {
 ArchiveContents read(const std::filesystem::path& path) {
   const hdf5::File file = untrusted::open(path);
   const double format = hdf5::read_number_attribute(file, "format_version");
-  if (format != format_version && format != oldest_format_version)
-    throw std::runtime_error(fmt::format("format_version is {}, this program reads {} and {}",
+  if (!(format >= oldest_format_version && format <= format_version &&
+        format == std::floor(format)))
+    throw std::runtime_error(fmt::format("format_version is {}, this program reads {} to {}",
                                          format, oldest_format_version, format_version));
   ArchiveContents contents;
   contents.format_version = static_cast<unsigned>(format);
@@ -85,7 +81,7 @@ ArchiveContents read(const std::filesystem::path& path) {
   const auto done = hdf5::read_numbers(file, "tile_done");
   contents.tiles = done.size();
   contents.tiles_done = untrusted::count_done(done);
-  contents.tallies = read_tallies(file, contents.tiles, contents.tiles_done);
+  contents.tallies = read_tallies(file, contents);
   contents.error = read_error(file);
   check_maps(file, contents);
   return contents;

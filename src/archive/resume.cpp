@@ -9,6 +9,7 @@
 #include <system_error>
 #include <vector>
 
+#include "trebsweep/archive/archive_format.hpp"
 #include "trebsweep/archive/output_path.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/version.hpp"
@@ -68,11 +69,11 @@ bool is_same_job(const Job& job, const ArchiveHeader& archive) {
 
 ArchiveContents read_resumable(const Job& job, const std::filesystem::path& partial) {
   const ArchiveContents contents = read_or_explain(partial, [&] { return read_contents(partial); });
-  if (!contents.has_checksums())
+  if (contents.format_version != format_version)
     throw std::runtime_error(
-        fmt::format("{} has format_version {}, without checksums, and cannot be continued: finish "
-                    "it with {}, or start again with --overwrite",
-                    partial.string(), contents.format_version, contents.source));
+        fmt::format("{} has format_version {} instead of {} and cannot be continued: finish it "
+                    "with {}, or start again with --overwrite",
+                    partial.string(), contents.format_version, format_version, contents.source));
   if (contents.source != version_text())
     refuse_version(partial, "by", contents.source, version_text());
   const Job partial_job =

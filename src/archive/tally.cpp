@@ -59,6 +59,21 @@ TallyRow to_row(const Tally& tally) {
   return row;
 }
 
+std::vector<std::size_t> stored_columns(unsigned long long format_version) {
+  // Versions 3 and 4 know eight statuses; version 3 does not store first cells.
+  const std::size_t statuses = format_version >= 5 ? status_names.size() : 8;
+  const std::size_t first_cells = tally_columns.size() - status_names.size();
+  std::vector<std::size_t> columns;
+  for (std::size_t c = 0; c < tally_columns.size(); ++c) {
+    const bool is_count = c < status_names.size(), is_first_cell = c >= first_cells;
+    const std::size_t status = is_first_cell ? c - first_cells : c;
+    if ((is_count || is_first_cell) && status >= statuses) continue;
+    if (is_first_cell && format_version < 4) continue;
+    columns.push_back(c);
+  }
+  return columns;
+}
+
 Tally to_tally(const TallyRow& row) {
   std::size_t column = 0;
   const auto count = [&] {

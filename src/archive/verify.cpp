@@ -75,10 +75,11 @@ void verify(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
             const Tiling& tiling, const TileRange& tiles, SharedFlags& intact) {
   const hdf5::File file = untrusted::open(path);
   const std::size_t columns = maps.size() + 1;
+  // Older archives have fewer columns.
+  const std::size_t tally_size = hdf5::extents(hdf5::open_dataset(file, "tile_tally")).at(1);
   const auto expected =
       read_rows<std::uint64_t>(file, "tile_checksum", H5T_NATIVE_UINT64, tiles, columns);
-  const auto tallies =
-      read_rows<double>(file, "tile_tally", H5T_NATIVE_DOUBLE, tiles, tally_columns.size());
+  const auto tallies = read_rows<double>(file, "tile_tally", H5T_NATIVE_DOUBLE, tiles, tally_size);
   std::vector<hdf5::Dataset> datasets;
   for (const MapInfo& map : maps) datasets.push_back(open_uncached(file, map.dataset));
   std::vector<std::byte> bytes;
@@ -95,7 +96,7 @@ void verify(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
       }
       intact[row * columns + m] = checksum(bytes) == expected[row * columns + m];
     }
-    const auto tally = std::span(tallies).subspan(row * tally_columns.size(), tally_columns.size());
+    const auto tally = std::span(tallies).subspan(row * tally_size, tally_size);
     intact[row * columns + maps.size()] =
         checksum(std::as_bytes(tally)) == expected[row * columns + maps.size()];
   }

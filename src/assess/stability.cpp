@@ -13,6 +13,7 @@
 #include "trebsweep/ode/any_stepper.hpp"
 #include "trebsweep/ode/rosenbrock_step.hpp"
 #include "trebsweep/ode/stepper.hpp"
+#include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
 namespace {
@@ -52,19 +53,49 @@ bool is_bounded(const Complex& eigenvalue) {
   return eigenvalue.real() <= 0.1 * std::abs(eigenvalue.imag());
 }
 
+/// The durations of the phases of a swing, s: in the trough, if there is one, and after it.
+struct Phases {
+  double sliding;
+  long double free;
+};
+
+Phases phases(const Scene& scene, const Design<double>& design, const Reference& reference) {
+  const long double time = reference.release_time;
+  if (!scene.trough) return {0, time};
+  Solver solver;
+  solver.stepper = "vern8";
+  solver.tolerance = 1e-13;
+  solver.release = Release::fastest;
+  solver.max_time = static_cast<double>(time);
+  SwingResult result;
+  const Field field = Field::lift_off_time;
+  double lift_off = std::numeric_limits<double>::quiet_NaN();
+  integrate(scene, solver, {{&design, 1}, {&result, 1}, {&field, 1}, {&lift_off, 1}});
+  const double sliding = std::fmin(lift_off, solver.max_time);
+  return {sliding, time - sliding};
+}
+
 /// error_of_steps() in numbers of type T.
 template <class T, Effects E>
 double error_in(const std::string& stepper, const Scene& scene, const Design<double>& design,
-                const Reference& reference, std::uint64_t steps) {
-  Solver solver;
-  const T h = static_cast<T>(reference.release_time) / static_cast<T>(steps);
-  solver.stepper = stepper;
-  solver.time_step = static_cast<double>(h);
-  const auto advance = make_advance<T, E>(solver);
+                const Reference& reference, const Phases& phases, const StepCounts& steps) {
   const Design<T> d{T(design.r1), T(design.r3), T(design.r2)};
-  const Motion<T, E> motion(scene, d);
+  Motion<T, E> motion(scene, d);
   auto now = instant(motion, T(0), start<T, E>(scene, d));
-  for (std::uint64_t i = 0; i < steps; ++i) now = advance(motion, now, h);
+  const auto integrate_phase = [&](const T& time, std::uint64_t count) {
+    const T h = time / static_cast<T>(count);
+    Solver solver;
+    solver.stepper = stepper;
+    solver.time_step = static_cast<double>(h);
+    const auto advance = make_advance<T, E>(solver);
+    for (std::uint64_t i = 0; i < count; ++i) now = advance(motion, now, h);
+  };
+  if constexpr (E.trough) {
+    integrate_phase(static_cast<T>(phases.sliding), steps.sliding);
+    motion.set_sliding(T(0));
+    motion.rates(now.x, now.directions, now.dxdt);
+  }
+  if (phases.free > 0) integrate_phase(static_cast<T>(phases.free), steps.free);
   double largest = 0;
   for (std::size_t i = 0; i < coordinates<E>; ++i) {
     const long double truth = reference.state[i];
@@ -130,11 +161,12 @@ double largest_stable_step(const std::string& stepper, const std::vector<Spectru
 }
 
 double error_of_steps(const std::string& stepper, const Scene& scene, const Design<double>& design,
-                      const Reference& reference, std::uint64_t steps) {
+                      const Reference& reference, const StepCounts& steps) {
+  const Phases durations = phases(scene, design, reference);
   return with_effects(scene, [&]<Effects E>() {
     return is_for_packs(stepper)
-               ? error_in<long double, E>(stepper, scene, design, reference, steps)
-               : error_in<double, E>(stepper, scene, design, reference, steps);
+               ? error_in<long double, E>(stepper, scene, design, reference, durations, steps)
+               : error_in<double, E>(stepper, scene, design, reference, durations, steps);
   });
 }
 
@@ -142,23 +174,33 @@ double largest_usable_step(const std::string& stepper, const Scene& scene,
                            const Design<double>& design, const Reference& reference, double guess) {
   constexpr double max_steps = 1e7;
   const auto time = static_cast<double>(reference.release_time);
+  const auto [sliding, rest] = phases(scene, design, reference);
+  const auto free = static_cast<double>(rest);
   const double ratio = std::pow(2, 1.0 / 8);
   double usable = std::numeric_limits<double>::quiet_NaN();
   for (double h = std::min(guess / 4, time / 8); h < time; h *= ratio) {
-    const double steps = std::ceil(time / h);
-    if (steps > max_steps ||
-        error_of_steps(stepper, scene, design, reference, static_cast<std::uint64_t>(steps)) > 0.1)
-      break;
-    usable = time / steps;
+    if (time / h > max_steps) break;
+    const auto steps_in = [&](double duration) {
+      return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(duration / h)));
+    };
+    const StepCounts steps{steps_in(sliding), steps_in(free)};
+    if (error_of_steps(stepper, scene, design, reference, steps) > 0.1) break;
+    usable = std::max(sliding / static_cast<double>(steps.sliding),
+                      free / static_cast<double>(steps.free));
   }
   return usable;
 }
 
-Growth growth(const std::string& stepper, const Scene& scene, const Design<double>& design,
-              double h, double time) {
-  const Motion<double> motion(scene, design);
-  const Mechanism<double> mechanism(scene, design);
-  const State<double> hanging{boost::math::double_constants::pi, 0, 0, 0};
+namespace {
+
+template <Effects E>
+Growth growth_with(const std::string& stepper, const Scene& scene, const Design<double>& design,
+                   double h, double time) {
+  Motion<double, E> motion(scene, design);
+  motion.set_sliding(0);
+  const Mechanism<double, E> mechanism(scene, design);
+  State<double, E> hanging{};
+  hanging[phi1] = boost::math::double_constants::pi;
   const Eigen::EigenSolver<Eigen::MatrixXd> modes(jacobian(motion, hanging));
   Eigen::Index fastest = 0;
   modes.eigenvalues().imag().maxCoeff(&fastest);
@@ -166,22 +208,30 @@ Growth growth(const std::string& stepper, const Scene& scene, const Design<doubl
   const auto steps = static_cast<std::uint64_t>(std::ceil(time / h));
 
   constexpr double small = 1e-3;  // rad: a relative error of 1e-6 in the linearized energy
-  State<double> x = hanging;
+  State<double, E> x = hanging;
   for (std::size_t i = 0; i < x.size(); ++i)
     x[i] += small * modes.eigenvectors()(static_cast<Eigen::Index>(i), fastest).real();
-  const auto energy = [&](const State<double>& state) {
+  const auto energy = [&](const State<double, E>& state) {
     return mechanism.energy(state) - mechanism.energy(hanging);
   };
   const double at_start = energy(x);
   Solver solver;
   solver.stepper = stepper;
   solver.time_step = h;
-  const auto advance = make_advance<double, Effects{}>(solver);
+  const auto advance = make_advance<double, E>(solver);
   auto now = instant(motion, 0.0, x);
   for (std::uint64_t i = 0; i < steps; ++i) now = advance(motion, now, h);
   const double predicted =
       std::pow(std::abs(stability_function(stepper, h * eigenvalue)), static_cast<double>(steps));
   return {eigenvalue.imag(), predicted, std::sqrt(energy(now.x) / at_start)};
+}
+
+}  // namespace
+
+Growth growth(const std::string& stepper, const Scene& scene, const Design<double>& design,
+              double h, double time) {
+  return with_effects(scene,
+                      [&]<Effects E>() { return growth_with<E>(stepper, scene, design, h, time); });
 }
 
 double observed_order(const std::string& stepper, const Scene& scene,
@@ -196,7 +246,9 @@ double observed_order(const std::string& stepper, const Scene& scene,
     if (!has_speed(references[i].status)) continue;
     double order = std::numeric_limits<double>::quiet_NaN(), last = 1;
     for (std::uint64_t steps = 4; steps <= max_steps; steps *= 2) {
-      const double error = error_of_steps(stepper, scene, designs[i], references[i], steps);
+      const StepCounts counts =
+          scene.trough ? StepCounts{steps / 2, steps / 2} : StepCounts{0, steps};
+      const double error = error_of_steps(stepper, scene, designs[i], references[i], counts);
       if (error < rounding * static_cast<double>(steps)) break;
       if (last < asymptotic) order = std::log2(last / error);
       last = error;

@@ -170,7 +170,8 @@ const std::vector<Key>& job_keys() {
       key("solver.release-window", "half width of the window of release = window, rad",
           number(Range{0, half_pi, false}), &Solver::release_window),
       key("solver.max-time",
-          "time after which a swing without a release ends with status not_released, s",
+          "time after which a swing without a release ends with status not_released, or never_lifted "
+          "if the projectile is still in the trough, s",
           number(positive), &Solver::max_time),
       key("solver.max-steps",
           "maximum number of steps per swing, including rejected ones; a swing that needs more "

@@ -106,6 +106,20 @@ AxisPlan plan_r2(const Scene& scene, const LatticeSpec& spec, double shortest_r3
   return r2;
 }
 
+/// Checks that a trough's lattice is explicit: the bounds (48) and (49), under which the sling
+/// hangs clear of the ground, do not apply to a sling that must reach down to the trough.
+void require_trough_axes(const LatticeSpec& spec) {
+  const auto require = [](const char* key, const std::optional<AxisRange>& axis) {
+    if (!axis)
+      throw InputError(
+          fmt::format("{}: must be given with scene.trough = yes: its default bounds "
+                      "are those of a sling that hangs clear of the ground",
+                      key));
+  };
+  require("lattice.r3", spec.r3);
+  require("lattice.r2", spec.r2);
+}
+
 constexpr std::array axis_names{"r1", "r3", "r2"};
 
 /// The key that sets the step of an axis, for messages.
@@ -143,6 +157,7 @@ ArmBounds arm_bounds(const Scene& scene) {
 }
 
 Lattice::Lattice(const Scene& scene, const LatticeSpec& spec) {
+  if (scene.trough) require_trough_axes(spec);
   const AxisPlan r1 = plan_r1(scene, spec), r3 = plan_r3(scene, spec);
   const AxisPlan r2 = plan_r2(scene, spec, r3.first);
   check_size({r1, r3, r2}, spec);

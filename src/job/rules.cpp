@@ -78,14 +78,20 @@ void check_release(const Solver& solver) {
 }
 
 void check_output(const Job& job) {
-  const auto& fields = job.output.fields;
-  if (std::count(fields.begin(), fields.end(), Field::peak_beam_stress) == 0) return;
-  if (job.scene.beam_mass)
-    refuse("output.fields", "peak-beam-stress",
-           "left out with scene.beam-mass: the cross-section of a measured beam is not known");
-  if (job.scene.beam_side == 0)
-    refuse("output.fields", "peak-beam-stress",
-           "left out if scene.beam-side is 0: the beam then has no cross-section");
+  const Scene& scene = job.scene;
+  const auto refuse_if = [&](bool condition, Field field, const char* why) {
+    const auto& fields = job.output.fields;
+    if (condition && std::count(fields.begin(), fields.end(), field) > 0)
+      refuse("output.fields", std::string(info(field).name), fmt::format("left out {}", why));
+  };
+  refuse_if(scene.beam_mass.has_value(), Field::peak_beam_stress,
+            "with scene.beam-mass: the cross-section of a measured beam is not known");
+  refuse_if(scene.beam_side == 0, Field::peak_beam_stress,
+            "if scene.beam-side is 0: the beam then has no cross-section");
+  refuse_if(!scene.trough, Field::lift_off_time,
+            "unless scene.trough is yes: there is no lift-off without a trough");
+  refuse_if(scene.counterweight_hanger == 0, Field::peak_hanger_tension,
+            "unless scene.counterweight-hanger is above 0: there is no hanger");
 }
 
 }  // namespace

@@ -26,6 +26,22 @@ TEST_CASE("Tallies of parts, stored and read back, add up to the tally of the wh
   CHECK(to_tally(to_row(Tally{})).best_cell == Tally{}.best_cell);
 }
 
+TEST_CASE(
+    "Older archives lack the columns of newer statuses, and the first ones those of first cells") {
+  const auto names = [](unsigned long long version) {
+    std::vector<std::string_view> columns;
+    for (const std::size_t c : stored_columns(version)) columns.push_back(tally_columns[c]);
+    return columns;
+  };
+  CHECK(names(5) == std::vector<std::string_view>(tally_columns.begin(), tally_columns.end()));
+  const auto four = names(4), three = names(3);
+  CHECK(four.size() == 23);
+  CHECK(four[7] == "released_below_ground");
+  CHECK(four[8] == "steps");
+  CHECK(four.back() == "first_released_below_ground");
+  CHECK(three == std::vector<std::string_view>(four.begin(), four.begin() + 15));
+}
+
 TEST_CASE("Rows with invalid counts are refused") {
   for (const double bad : {-1.0, 1e17, std::nan("")}) {
     TallyRow row{};

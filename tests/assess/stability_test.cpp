@@ -20,6 +20,22 @@ std::complex<double> taylor(const std::complex<double>& z, int degree) {
   return sum;
 }
 
+/// A machine with a hanger and a trough.
+Scene laboratory() {
+  Scene scene;
+  scene.gravity = 9.81;
+  scene.counterweight_mass = 53.9;
+  scene.projectile_mass = 0.717;
+  scene.counterweight_hanger = 0.515;
+  scene.fulcrum_height = 0.831;
+  scene.start_angle = 0.55;
+  scene.beam_mass = 4.86;
+  scene.beam_centre = 0.465;
+  scene.beam_moment = 1.85;
+  scene.trough = true;
+  return scene;
+}
+
 Solver limits() {
   Solver solver;
   solver.release = Release::crossing;
@@ -94,19 +110,29 @@ TEST_CASE("In a stiff scene, steps become unusable near the largest stable step"
   CHECK(std::isinf(largest_stable_step("rosenbrock4", along)));
 }
 
-TEST_CASE("Every stepper converges at its theoretical order over whole swings") {
-  const std::array designs{optimum, Design<double>{0.8, 0.5, 0.7}};
-  std::vector<Reference> references;
-  for (const auto& design : designs) references.push_back(reference(Scene{}, design, limits()));
-  const auto order = [&](const char* stepper) {
-    return observed_order(stepper, Scene{}, designs, references);
+TEST_CASE("On a beam that hardly moves, a hanger oscillates as a pendulum") {
+  Scene scene = laboratory();
+  scene.beam_moment = 1e9;
+  const auto [rate, predicted, observed] = growth("euler", scene, {0.25, 5, 0.975}, 0.01, 5);
+  CHECK(rate == Approx(std::sqrt(scene.gravity / scene.counterweight_hanger)).epsilon(1e-6));
+  CHECK(predicted > 1.05);
+  CHECK(observed == Approx(predicted).epsilon(0.01));
+}
+
+TEST_CASE(
+    "Steppers converge at their theoretical order over whole swings, also across a lift-off") {
+  using Designs = std::vector<Design<double>>;
+  const auto check = [](const Scene& scene, const Designs& designs) {
+    std::vector<Reference> references;
+    for (const auto& design : designs) references.push_back(reference(scene, design, limits()));
+    for (const StepperInfo& stepper : stepper_info) {
+      // Rounding hides the order of Verner's methods, whose leading errors are small.
+      if (stepper.order == 0 || stepper.name.starts_with("vern")) continue;
+      INFO(stepper.name << ", trough: " << scene.trough);
+      CHECK(observed_order(std::string(stepper.name), scene, designs, references) ==
+            Approx(stepper.order).margin(0.2));
+    }
   };
-  CHECK(order("euler") == Approx(1).margin(0.2));
-  CHECK(order("modified_midpoint") == Approx(2).margin(0.2));
-  CHECK(order("rk4") == Approx(4).margin(0.2));
-  CHECK(order("cash_karp54") == Approx(5).margin(0.2));
-  CHECK(order("dopri5") == Approx(5).margin(0.2));
-  CHECK(order("fehlberg78") == Approx(8).margin(0.2));
-  CHECK(order("adams_bashforth_moulton") == Approx(5).margin(0.2));
-  CHECK(order("rosenbrock4") == Approx(4).margin(0.2));
+  check({}, {optimum, {0.8, 0.5, 0.7}});
+  check(laboratory(), {{0.25, 0.87, 0.975}, {0.2, 0.8, 0.9}, {0.3, 1, 1.1}});
 }

@@ -138,6 +138,17 @@ TEST_CASE("The message about a hanger that leaves no design names the key to cha
   CHECK_THROWS_WITH(Lattice(scene, {}), contains("r1 must be longer than 0 m"));
 }
 
+TEST_CASE("The slings and throwing arms of a scene with a trough must be given") {
+  Scene scene;
+  scene.trough = true;
+  LatticeSpec spec;
+  CHECK_THROWS_WITH(Lattice(scene, spec), contains("lattice.r3: must be given with scene.trough"));
+  spec.r3 = AxisRange{1.2, 1.4, 0.1};
+  CHECK_THROWS_WITH(Lattice(scene, spec), contains("lattice.r2: must be given with scene.trough"));
+  spec.r2 = AxisRange{1, 1.3, 0.1};
+  CHECK(Lattice(scene, spec).extent() == Index3{99, 3, 4});
+}
+
 TEST_CASE("A lattice that is too large is refused, with its size, before it is stored") {
   CHECK_THROWS_WITH(Lattice(Scene{}, with_increment(1e-9)),
                     contains("lattice.increment = 1e-09") && contains("cells"));

@@ -110,6 +110,18 @@ TEST_CASE("A measured beam has no density, side or rule of inertia, and no stres
   CHECK_NOTHROW(parse_scene(stress));
 }
 
+TEST_CASE("Fields of the trough and of the hanger are refused in a scene without them") {
+  const auto fields = [](const std::string& field) { return "[output]\nfields = " + field + "\n"; };
+  CHECK_THROWS_WITH(parse(fields("speed, lift-off-time")),
+                    contains("output.fields = lift-off-time: must be left out unless scene.trough "
+                             "is yes"));
+  CHECK_THROWS_WITH(parse(fields("peak-hanger-tension")),
+                    contains("output.fields = peak-hanger-tension: must be left out unless "
+                             "scene.counterweight-hanger is above 0"));
+  CHECK_NOTHROW(parse_scene("trough = yes\n" + fields("lift-off-time")));
+  CHECK_NOTHROW(parse_scene("counterweight-hanger = 0.3\n" + fields("peak-hanger-tension")));
+}
+
 TEST_CASE("The moment of inertia of a measured beam is at least that of a point at its centre") {
   CHECK_THROWS_WITH(
       parse_scene("beam-mass = 2\nbeam-centre = -3\nbeam-moment = 17.99\n"),

@@ -197,12 +197,66 @@ class MeasuredError(CommandTest):
         with h5py.File(self.path("job.h5"), "r+") as file:  # as written by format version 3
             for name in self.NAMES:
                 del file.attrs[name]
-            former = file["tile_tally"][:, :15]
+            columns = file["tile_tally"].attrs["columns"].split()
+            newer = ("never_lifted", "sling_too_short")
+            former = [i for i, name in enumerate(columns) if name not in newer and not name.startswith("first_")]
+            tallies = file["tile_tally"][...][:, former]
             del file["tile_tally"]
-            file["tile_tally"] = former
+            file["tile_tally"] = tallies
+            file.attrs["format_version"] = np.uint64(3)
         info = self.run_program("info", "job.h5").stdout
         self.assertEqual(self.line(info), "error     not measured")
         self.assertIn("optimum   1", info)
+
+
+class BuiltMachines(CommandTest):
+    """The laboratory machine of jobs/lab.cfg: a hanger, a trough and the rules of release of builders."""
+
+    LAB = os.path.join(JOBS, "lab.cfg")
+    COARSE = ("--lattice.r1", "0.17:0.29:0.06", "--lattice.r3", "0.67:1.07:0.1", "--lattice.r2", "0.875:1.275:0.1")
+
+    def test_maps_and_error_are_the_same_on_any_number_of_ranks_for_rules_of_builders(self):
+        for rule, most in (("farthest", 3), ("fastest", 2), ("pin --solver.pin-angle 0.6", 2)):
+            results = []
+            for ranks in range(1, most + 1):
+                self.run_program("sweep", self.LAB, *self.COARSE, "--solver.release", *rule.split(), "--overwrite",
+                                 ranks=ranks)
+                with h5py.File(self.path("lab.h5")) as file:
+                    maps = {name: item[...].tobytes() for name, item in file.items() if item.shape == (3, 5, 5)}
+                    results.append((maps, [file.attrs[name] for name in MeasuredError.NAMES]))
+            self.assertEqual(len(maps), 12)
+            for other in results[1:]:
+                self.assertEqual(results[0], other, rule)
+            median, largest, _, designs = results[0][1]
+            self.assertEqual(designs, 75)
+            self.assertTrue(1e-10 < median < 1e-7 and largest < 1e-6, (rule, median, largest))
+
+    def test_designs_that_do_not_lift_off_or_reach_the_trough_are_counted(self):
+        done = self.run_program("sweep", self.LAB, "--solver.max-time", "0.1", "--lattice.r1", "0.25",
+                                "--lattice.r3", "0.07:1.07:0.25", "--lattice.r2", "1.075:1.275:0.1")
+        info = self.run_program("info", "lab.h5").stdout
+        with h5py.File(self.path("lab.h5")) as file:
+            row = dict(zip(file["tile_tally"].attrs["columns"].split(), file["tile_tally"][0]))
+            meanings = file["status"].attrs["flag_meanings"].split()
+            self.assertEqual(meanings[file["status"][0, 0, 0]], "sling_too_short")
+            self.assertEqual(meanings[file["status"][0, 4, 0]], "never_lifted")
+        self.assertEqual((row["sling_too_short"], row["first_sling_too_short"]), (3, 0))
+        self.assertEqual((row["never_lifted"], row["first_never_lifted"]), (12, 3))
+        for words in ("3 sling_too_short", "12 never_lifted", "optimum   none: nothing was released"):
+            self.assertIn(words, done.stdout)
+            self.assertIn(words, info)
+
+    def test_a_lattice_without_slings_that_reach_the_trough_is_refused_but_a_design_is_traced(self):
+        scene = ("--scene.file", os.path.join(JOBS, "scenes", "laboratory.cfg"))
+        for given, missing in (((), "lattice.r3"), (("--lattice.r3", "0.87"), "lattice.r2")):
+            self.assert_refused(["sweep", self.job, *scene, *given],
+                                f"{missing}: must be given with scene.trough = yes")
+        self.run_program("trace", self.job, *scene, "--r1", "0.25", "--r2", "0.975", "--r3", "0.87")
+
+    def test_fields_of_what_the_scene_lacks_are_refused(self):
+        for field, key in (("lift-off-time", "scene.trough"), ("peak-hanger-tension", "scene.counterweight-hanger")):
+            self.assert_refused(["sweep", self.job, "--output.fields", field],
+                                f"output.fields = {field}: must be left out unless {key}")
 
 
 class AccurateByDefault(CommandTest):
@@ -436,7 +490,7 @@ class Sweep(CommandTest):
         with h5py.File(self.path("job.h5")) as file:
             attributes = dict(file.attrs)
         self.assertEqual(attributes["Conventions"], "CF-1.10")
-        self.assertEqual(attributes["format_version"], 4)
+        self.assertEqual(attributes["format_version"], 5)
         self.assertRegex(attributes["source"], r"^trebsweep \d")
         self.assertIn("--scene.gravity 9.81", attributes["history"])
         self.assertIn("gravity = 9.81\n", attributes["job"])

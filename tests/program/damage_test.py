@@ -229,38 +229,61 @@ class Repairs(DamageTest):
         self.assertEqual(self.repair(0, ranks=2), "0 to 2")
 
 
-class OlderFormat(DirectoryTest):
-    """An archive that a program with format_version 3 wrote: a sweep of 60 designs, before checksums."""
+class OlderFormats(DirectoryTest):
+    """Sweeps of 60 designs by programs with format_version 3, before checksums, and 4, with fewer statuses."""
+
+    EXPECTED = {3: ("60 released\n", "optimum   10.97422340 m/s at r1 = 0.7, r2 = 0.8, r3 = 0.5 m", "not measured"),
+                4: ("5 released\n", "55 not_released\n",
+                    "optimum   1.10468865 m/s at r1 = 0.7, r2 = 0.2, r3 = 0.3 m", "largest of 5 designs")}
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        with gzip.open(os.path.join(os.path.dirname(__file__), "version3.h5.gz")) as file:
-            cls.write("version3.h5", file.read())
+        for version in cls.EXPECTED:
+            with gzip.open(os.path.join(os.path.dirname(__file__), f"version{version}.h5.gz")) as file:
+                cls.write(f"version{version}.h5", file.read())
 
-    def test_it_is_described_and_drawn(self):
-        text = self.run_program("info", "version3.h5").stdout
-        self.assertIn("version3.h5, complete", text)
-        self.assertIn("optimum   10.97422340 m/s at r1 = 0.7, r2 = 0.8, r3 = 0.5 m", text)
-        for script, *options in (("heatmap.py", "--field", "slack"), ("optimum.py",)):
-            script = os.path.join(REPOSITORY, "analysis", script)
-            done = self.run_command(sys.executable, script, "version3.h5", *options)
-            self.assertNotIn("damaged", done.stderr)
+    def test_they_are_described_and_drawn(self):
+        for version, expected in self.EXPECTED.items():
+            text = self.run_program("info", f"version{version}.h5").stdout
+            for words in (f"version{version}.h5, complete", *expected):
+                self.assertIn(words, text)
+            for script, *options in (("heatmap.py", "--field", "slack"), ("optimum.py",)):
+                script = os.path.join(REPOSITORY, "analysis", script)
+                done = self.run_command(sys.executable, script, f"version{version}.h5", *options)
+                self.assertNotIn("damaged", done.stderr)
 
-    def test_it_is_not_verified(self):
+    def test_those_with_checksums_are_verified(self):
         done = self.run_program("info", "version3.h5", "--verify", code=1)
         self.assertIn("version3.h5: has no checksums (format_version 3)", done.stderr)
+        self.assertIn("every value of speed, status, slack, tile_tally is as written",
+                      self.run_program("info", "version4.h5", "--verify").stdout)
+        damaged = self.write("damaged.h5", self.read("version4.h5"))
+        with h5py.File(damaged, "r+") as file:
+            file["tile_tally"][0, -1] += 1
+        self.assertIn("damaged   tile_tally", self.run_program("info", "damaged.h5", "--verify", code=1).stdout)
 
-    def test_it_is_not_continued(self):
-        partial = self.write("job.h5.partial", self.read("version3.h5"))
-        with h5py.File(partial, "r+") as file:
-            file["tile_done"][...] = 0
-            job = file.attrs["job"]
-        self.write("job.cfg", job)
-        before = self.read("job.h5.partial")
-        done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
-        self.assertIn("job.h5.partial has format_version 3, without checksums, and cannot be continued", done.stderr)
-        self.assertEqual(self.read("job.h5.partial"), before)
+    def test_a_complete_one_counts_as_complete(self):
+        for version in self.EXPECTED:
+            with h5py.File(self.path(f"version{version}.h5")) as file:
+                job = self.write("old.cfg", file.attrs["job"])
+            before = self.read(f"version{version}.h5")
+            done = self.run_program("sweep", job)
+            self.assertIn("complete archive of this job", done.stderr)
+            self.assertEqual(self.read(f"version{version}.h5"), before)
+
+    def test_they_are_not_continued(self):
+        for version in self.EXPECTED:
+            partial = self.write("job.h5.partial", self.read(f"version{version}.h5"))
+            with h5py.File(partial, "r+") as file:
+                file["tile_done"][...] = 0
+                job = file.attrs["job"]
+            self.write("job.cfg", job)
+            before = self.read("job.h5.partial")
+            done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
+            self.assertIn(f"job.h5.partial has format_version {version} instead of 5 and cannot be continued",
+                          done.stderr)
+            self.assertEqual(self.read("job.h5.partial"), before)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ import numpy as np
 os.environ["HDF5_USE_FILE_LOCKING"] = "FALSE"
 import h5py  # pylint: disable=wrong-import-position
 
-from support import MPIEXEC, PROGRAM, DirectoryTest, mpirun
+from support import JOBS, MPIEXEC, PROGRAM, DirectoryTest, mpirun
 
 KILLS = int(os.environ.get("TREBSWEEP_KILLS", "2"))
 SEED = int(os.environ.get("TREBSWEEP_SEED", "1"))
@@ -69,12 +69,14 @@ class ResumeTest(DirectoryTest):
     """Interrupts sweeps of one job, job.h5, and compares them with an uninterrupted one, straight0.h5, and its
     compressed version, straight2.h5."""
 
+    JOB_TEXT, VERSIONS = JOB, ((), COMPRESSED)
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.job = cls.write("job.cfg", JOB)
+        cls.job = cls.write("job.cfg", cls.JOB_TEXT)
         cls.seconds, cls.sweep_seconds = {}, {}  # of the whole run, and of its sweep
-        for options in ((), COMPRESSED):
+        for options in cls.VERSIONS:
             start = time.time()
             with cls.launch(2, *options, output=f"straight{len(options)}.h5") as launcher:
                 assert launcher.wait(timeout=120) == 0
@@ -238,6 +240,24 @@ class Kills(ResumeTest):
         self.assert_sound()
         self.run_sweep(2)
         self.assert_complete()
+
+
+class BuiltMachineKills(ResumeTest):
+    JOB_TEXT = f"""[scene]
+file = {JOBS}/scenes/laboratory.cfg
+[lattice]
+r1 = 0.15:0.31:0.02
+r3 = 0.57:1.17:0.01
+r2 = 0.675:1.275:0.01
+[solver]
+release = farthest
+[output]
+fields = speed, release-time, status, range, lift-off-time
+"""
+    VERSIONS = ((),)
+
+    def test_a_killed_sweep_of_a_machine_with_hanger_and_trough_produces_the_same_archive(self):
+        self.interrupt(kill_all, (), lambda launcher, errors: None)
 
 
 class Stops(ResumeTest):

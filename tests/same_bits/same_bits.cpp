@@ -20,13 +20,15 @@ namespace {
 struct NamedScene {
   std::string name;
   Scene scene;
+  Release release = Release::crossing;
 };
 
-/// A scene for every combination of effects, and one that changes only constants.
+/// Scenes that have every effect, and one that changes only constants.
 std::vector<NamedScene> scenes() {
   Scene heavy_sling, pivot, elastic;
   heavy_sling.sling_mass = 20;
   heavy_sling.sling_angle = 0.3;
+  heavy_sling.projectile_diameter = 0.3;
   pivot.pivot_viscosity = 200;
   pivot.pivot_friction = 300;
   elastic.sling_stiffness = 1e5;
@@ -35,11 +37,17 @@ std::vector<NamedScene> scenes() {
   all.sling_mass = 5;
   all.sling_stiffness = 2e4;
   all.sling_damping = 100;
+  Scene built = pivot;  // some slings do not reach the trough
+  built.start_angle = 0.8;
+  built.counterweight_hanger = 0.3;
+  built.trough = true;
+  built.trough_height = 0.8;
   return {{"rigid", {}},
-          {"heavy sling", heavy_sling},
+          {"heavy sling and drag", heavy_sling},
           {"pivot", pivot},
           {"elastic", elastic},
-          {"all effects", all}};
+          {"all effects of an elastic sling", all},
+          {"hanger, trough and pivot", built, Release::farthest}};
 }
 
 /// Designs spread evenly over a box, by multiples of irrational numbers.
@@ -100,7 +108,8 @@ int main() {
     Solver solver{.stepper = std::string(stepper)};
     solver.time_step = 0.02;
     solver.max_time = 0.75;  // some designs are released, some are not
-    for (const auto& [name, scene] : scenes()) {
+    for (const auto& [name, scene, release] : scenes()) {
+      solver.release = release;
       const std::string what = solver.stepper + ", " + name;
       print_hash(what, scene, solver, designs(1000), {});
       print_hash(what + ", all fields", scene, solver, designs(40), kernel_fields());

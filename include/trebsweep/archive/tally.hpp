@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <string_view>
+#include <vector>
 
 #include "trebsweep/swing/batch.hpp"
 
@@ -44,7 +45,7 @@ struct Tally {
 };
 
 /// The columns of tile_tally in the archive: the number of designs of each status, the rest, and
-/// the lowest index of a design of each status, which archives of format version 3 lack.
+/// the lowest index of a design of each status.
 inline constexpr auto tally_columns = [] {
   constexpr std::array<std::string_view, 7> rest{
       "steps",     "lane_steps",          "best_speed",   "best_release_time",
@@ -67,6 +68,10 @@ inline constexpr auto tally_columns = [] {
 using TallyRow = std::array<double, tally_columns.size()>;
 
 TallyRow to_row(const Tally& tally);
+
+/// The positions in a TallyRow of the columns of tile_tally in archives of a format version, one
+/// that can be read.
+std::vector<std::size_t> stored_columns(unsigned long long format_version);
 
 /// Throws std::runtime_error if the row holds an invalid count.
 Tally to_tally(const TallyRow& row);

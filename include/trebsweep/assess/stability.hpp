@@ -30,11 +30,17 @@ double amplification(const std::string& stepper, const std::vector<Spectrum>& sp
 /// infinite if there is no limit, as for an A-stable stepper.
 double largest_stable_step(const std::string& stepper, const std::vector<Spectrum>& spectra);
 
-/// Integrates to the reference's release with `steps` equal steps, in long double if the stepper
-/// supports it. Returns the largest |x - truth| / (1 + |truth|) over the components of the final
-/// state; infinite if it is not finite. Not for bulirsch_stoer.
+/// The numbers of equal steps in the phases of a swing: in the trough, if there is one, and free.
+struct StepCounts {
+  std::uint64_t sliding, free;
+};
+
+/// Integrates to the reference's release with equal steps in each phase, in long double if the
+/// stepper supports it. Lift-off is not located, but takes place at its true time: the error is
+/// that of the steps alone. Returns the largest |x - truth| / (1 + |truth|) over the components of
+/// the final state; infinite if it is not finite. Not for bulirsch_stoer.
 double error_of_steps(const std::string& stepper, const Scene& scene, const Design<double>& design,
-                      const Reference& reference, std::uint64_t steps);
+                      const Reference& reference, const StepCounts& steps);
 
 /// The largest step (s) tried such that it and all shorter ones tried have an error_of_steps() of
 /// at most 10 %. The first is a quarter of `guess` (s), or an eighth of the swing if that is
@@ -44,7 +50,8 @@ double largest_usable_step(const std::string& stepper, const Scene& scene,
 
 /// Observed order of convergence with equal steps: the median over the designs with a release. The
 /// order of a design is log2 of the ratio of the errors of two steps, one twice as long as the
-/// other: the shortest two whose errors exceed rounding. NaN if no design has such steps.
+/// other: the shortest two whose errors exceed rounding. With a trough, half of the steps are
+/// before lift-off. NaN if no design has such steps.
 double observed_order(const std::string& stepper, const Scene& scene,
                       std::span<const Design<double>> designs,
                       std::span<const Reference> references);
@@ -56,7 +63,8 @@ struct Growth {
   double observed;   ///< growth factor of its amplitude, computed from the energy
 };
 
-/// The growth over `time` (s) with steps of length h (s). For a rigid sling without friction.
+/// The growth over `time` (s) with steps of length h (s), without contact with a trough. For a
+/// rigid sling without friction.
 Growth growth(const std::string& stepper, const Scene& scene, const Design<double>& design,
               double h, double time);
 

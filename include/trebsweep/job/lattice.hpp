@@ -49,8 +49,8 @@ struct Tile {
 /// depends on r3, and that of storage, in which r2 varies fastest.
 class Lattice {
  public:
-  /// Throws InputError if the scene and the spec allow no design, or if the box has more than 1e12
-  /// cells.
+  /// Throws InputError if the scene and the spec allow no design, if the scene has a trough and r3
+  /// or r2 is not explicit, or if the box has more than 1e12 cells.
   Lattice(const Scene& scene, const LatticeSpec& spec);
 
   /// The values of r1, r3 and r2, m.
