@@ -22,7 +22,9 @@ std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, 
   solver.release = located(solver.release);
   solver.tolerance = 1e-5;
   return with_effects(scene, [&]<Effects E>() {
-    const Motion<double, E> motion(scene, design);
+    Motion<double, E> motion(scene, design);
+    // The step in the trough that ends at the lift-off has no normal force at its end.
+    const double small_force = 1e-6 * scene.projectile_mass * scene.gravity;
     std::vector<Spectrum> spectra;
     const auto add = [&](double h, const State<double, E>& x) {
       const Jacobian<E> j = jacobian(motion, x);
@@ -32,6 +34,8 @@ std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, 
     const auto observe = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
       if (spectra.empty()) add(0, from.x);
       add(to.t - from.t, to.x);
+      if (motion.sliding() > 0 && motion.normal_force(to.x, to.directions) < small_force)
+        motion.set_sliding(0);
     };
     swing<E>(scene, design, solver, observe);
     return spectra;

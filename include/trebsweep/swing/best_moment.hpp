@@ -117,16 +117,16 @@ Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, Stepper& 
 }
 
 /// The end of the interval within the last step, from `from` to `to`: the first of phi1 = 3 pi/2,
-/// the arm turning back, and max_time.
+/// the arm turning back, and max_time. `turned` is that of turned_by().
 template <class Stepper, class T, Effects E>
 Instant<T, E> end_of_interval(Stepper& stepper, const Motion<T, E>& motion,
-                              const Instant<T, E>& from, const Instant<T, E>& to,
+                              const Instant<T, E>& from, const Instant<T, E>& to, const T& turned,
                               const T& max_time) {
   using Number = typename Lanes<T>::Number;
   const T h = to.t - from.t, limit = max_time - from.t;
   const T angle = boost::math::constants::pi<Number>() * Number(1.5);
   const auto passes = to.x[phi1] >= angle;
-  const auto turns = (from.x[w1] > T(0)) & (to.x[w1] < T(0)) & !passes;
+  const auto turns = (turned > T(0)) & !passes;
   const T end = select(limit < h, T(limit / h), T(1));
   Instant<T, E> at;
   State<T, E> error;
@@ -138,9 +138,10 @@ Instant<T, E> end_of_interval(Stepper& stepper, const Motion<T, E>& motion,
     const auto limited = value < late;
     return ValueAndSlope<T>{select(limited, late, value), select(limited, T(1), T(h * slope))};
   };
-  const T turn = from.x[w1] / select(turns, T(from.x[w1] - to.x[w1]), T(1));
+  const T turn = T(0.5) * turned;
   // The end of the step, which is the most frequent root, must be inside the bracket.
-  find_root(beyond, T(0), T(1.01), select(turns, turn, select(passes, T(0.5), end)),
+  find_root(beyond, T(0), select(turns, turned, T(1.01)),
+            select(turns, turn, select(passes, T(0.5), end)),
             T(4500 * std::numeric_limits<Number>::epsilon()));
   return at;
 }

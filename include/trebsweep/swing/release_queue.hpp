@@ -87,10 +87,13 @@ class ReleaseQueue {
   LaneMask choose(Stepper& stepper, const Mechanism<T, E>& mechanism) {
     auto& [design, motion, from, to, record, best] = pending_;
     rule_.end_at_turning_points(~LaneMask{0}, stepper, motion, from, to);
-    to = end_of_interval(stepper, motion, from, to, T(Number(solver_.max_time)));
+    to = end_of_interval(stepper, motion, from, to, turned_by(from, to),
+                         T(Number(solver_.max_time)));
     try_step_of_swing(best, solver_.release, parts_to_search<Stepper>, motion, mechanism, from, to,
                       T(to.t - from.t), record);
-    const auto is_better = worth(solver_.release, mechanism, to, 1e-5).value > best.worth;
+    // Where the worth falls at the end, it has a maximum before, whose worth is only estimated.
+    const auto end = worth(solver_.release, mechanism, to, 1e-5);
+    const auto is_better = (end.slope > T(0)) & (end.value > best.worth);
     const auto exists = best.worth > T(-std::numeric_limits<double>::infinity());
     Instant<T, E> moment = best_instant(best, solver_.release, stepper, motion, mechanism);
     const auto at_end = is_better | (moment.t > to.t) | !exists;

@@ -8,6 +8,24 @@
 
 namespace trebsweep {
 
+/// The fraction of a step at which the arm is turning back, a multiple of a quarter; 0 where it
+/// does not turn back. It may turn forward again later in the step.
+template <class T, Effects E>
+T turned_by(const Instant<T, E>& from, const Instant<T, E>& to) {
+  constexpr int parts = 4;
+  const T h = to.t - from.t;
+  const T v = from.x[w1], end_v = to.x[w1], a = h * from.dxdt[w1], end_a = h * to.dxdt[w1];
+  T part = select(end_v < T(0), T(1), T(0));
+  for (int i = parts - 1; i > 0; --i) {
+    const double s = static_cast<double>(i) / parts, r = 1 - s;
+    // Cubic Hermite interpolation of the rate.
+    const T rate = T(r * r * (1 + 2 * s)) * v + T(s * s * (1 + 2 * r)) * end_v + T(s * r * r) * a -
+                   T(s * s * r) * end_a;
+    part = select(rate < T(0), T(s), part);
+  }
+  return select(v > T(0), part, T(0));
+}
+
 /// The rule of release of a solver.
 template <class Number>
 class ReleaseRule {
@@ -32,6 +50,7 @@ class ReleaseRule {
     // Negated so that NaN is possible as well.
     const LaneMask passed = lanes_of(!(event_.value(to.x) < T(event_.target)));
     if (is_window()) return passed;
+    if (chooses()) return passed | lanes_of(turned_by(from, to) > T(0));
     return passed | lanes_of((event_.rate(from.x) > T(0)) & (event_.rate(to.x) < T(0)));
   }
 
@@ -45,8 +64,7 @@ class ReleaseRule {
     }
     if (passes(lane, from, to)) return true;
     return chooses() &&
-           ((get_lane(from.x[w1], lane) > Number(0) && get_lane(to.x[w1], lane) < Number(0)) ||
-            get_lane(to.t, lane) >= max_time_);
+           (get_lane(turned_by(from, to), lane) > Number(0) || get_lane(to.t, lane) >= max_time_);
   }
 
   /// Whether the angle passes its target in a lane. A start beyond it does not.
