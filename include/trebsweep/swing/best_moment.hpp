@@ -38,10 +38,10 @@ Worth<T> worth(Release rule, const Mechanism<T, E>& mechanism, const Instant<T, 
 template <class T, Effects E>
 struct BestMoment {
   T worth = -std::numeric_limits<double>::infinity();  ///< an estimate
-  /// The part of a step in which the rate of the worth, or the clearance, falls through zero; if
-  /// `low` is `high`, the moment is at the start of the step.
+  /// The part of a step in which the rate of the worth falls through zero, or the projectile
+  /// passes the ground; if `low` is `high`, the moment is at the start of the step.
   Bracket<T, E> bracket;
-  T sinks = 0;            ///< 1 if it is the clearance
+  T at_ground = 0;        ///< of the clearance: 1 if it falls, -1 if it rises
   SwingRecord<T> record;  ///< up to the start of the step
 };
 
@@ -67,6 +67,7 @@ template <class T, Effects E>
                                          const Mechanism<T, E>& mechanism,
                                          const Instant<T, E>& from, const Instant<T, E>& to,
                                          const T& h, const SwingRecord<T>& record) {
+  using std::abs;
   // Good enough to find the part with the best moment, which is then located.
   constexpr double tolerance = 1e-5;
   const T none = -std::numeric_limits<double>::infinity();
@@ -77,17 +78,19 @@ template <class T, Effects E>
     const Instant<T, E> at =
         i == parts ? to : instant(motion, T(0), between(static_cast<double>(i) / parts));
     const auto next = worth(rule, mechanism, at, tolerance);
-    const auto sinks = (last.slope > T(0)) & (next.clearance < T(0));
     const auto peaks = (last.slope > T(0)) & (next.slope <= T(0));
-    // The rate falls nearly linearly; so does the clearance.
-    const T start = select(sinks, last.clearance, last.slope);
-    const T fall = start - select(sinks, next.clearance, next.slope);
+    const auto sinks = (last.slope > T(0)) & (next.clearance < T(0));
+    const auto rises = (last.clearance < T(0)) & (next.slope <= T(0));
+    const auto at_ground = sinks | rises;
+    // Both the rate of the worth and the clearance change nearly linearly.
+    const T start = select(at_ground, last.clearance, last.slope);
+    const T fall = start - select(at_ground, next.clearance, next.slope);
     const T part = start / fall, mean = select(sinks, last.slope, T(T(0.5) * last.slope));
     const T low = static_cast<double>(i - 1) / parts, length = 1.0 / parts;
     const T value = last.value + T(1.0 / parts) * h * mean * part;
-    improve(best, {select(peaks | sinks, value, none),
-                   {from, h, low, low + length, low + length * part, fall * T(parts)},
-                   select(sinks, T(1), T(0)),
+    improve(best, {select(rises, next.value, select(peaks | sinks, value, none)),
+                   {from, h, low, low + length, low + length * part, abs(T(fall * T(parts)))},
+                   select(sinks, T(1), select(rises, T(-1), T(0))),
                    record});
     last = next;
   }
@@ -108,7 +111,8 @@ Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, Stepper& 
     constexpr double margin = 1e-9;  // m: on the ground, rounding errors would decide
     const auto [value, slope, clearance] =
         worth(rule, mechanism, at, std::max(450 * epsilon, 1e-17));
-    const T above = select(best.sinks > T(0), T(clearance - T(margin)), slope);
+    const T above = select(best.at_ground * best.at_ground > T(0),
+                           T(best.at_ground * T(clearance - T(margin))), slope);
     return select(located, T(-above), T(0));
   };
   Instant<T, E> at = root_in(bracket, stepper, motion, falling, std::sqrt(epsilon) / 100);
