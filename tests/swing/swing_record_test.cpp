@@ -114,12 +114,12 @@ Swung swing_finely(const Scene& scene, const Design<double>& design, const Solve
   const auto sample_finely = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
     const int parts = std::max(6, static_cast<int>((to.t - from.t) / 5e-4));
     fine.begin();
-    fine.add(mechanism.loads(from.x, from.dxdt));
+    fine.add(loads_at(motion, mechanism, from));
     for (int i = 1; i < parts; ++i) {
       const auto at = advance(motion, from, (to.t - from.t) * i / parts);
-      fine.add(mechanism.loads(at.x, at.dxdt));
+      fine.add(loads_at(motion, mechanism, at));
     }
-    fine.add(mechanism.loads(to.x, to.dxdt));
+    fine.add(loads_at(motion, mechanism, to));
   };
   const auto outcome = swing<E>(scene, design, solver, sample_finely, fields, swung.recorded);
   swung.status = outcome.status;

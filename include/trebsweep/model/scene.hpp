@@ -32,11 +32,11 @@ struct Scene {
   double sling_stiffness = 0;  ///< N/m: tension per stretch; 0: a rigid sling
   double sling_damping = 0;    ///< N s/m: tension per rate of the stretch
   // A measured beam, instead of one computed from density and side: all three, or none.
-  std::optional<double> beam_mass;    ///< m2, kg
-  std::optional<double> beam_centre;  ///< r, m: from the fulcrum to the beam's centre of mass,
-                                      ///< positive towards the sling
-  std::optional<double> beam_moment;  ///< Izz, kg m^2: moment of inertia about the fulcrum
-  std::optional<double> start_angle;  ///< phi1(0), rad, instead of release_height
+  std::optional<double> beam_mass = {};    ///< m2, kg
+  std::optional<double> beam_centre = {};  ///< r, m: from the fulcrum to the beam's centre of mass,
+                                           ///< positive towards the sling
+  std::optional<double> beam_moment = {};  ///< Izz, kg m^2: moment of inertia about the fulcrum
+  std::optional<double> start_angle = {};  ///< phi1(0), rad, instead of release_height
   double counterweight_hanger = 0;  ///< r4, m: link from arm to counterweight; 0: fixed to the arm
   bool trough = false;              ///< whether the projectile starts by sliding in a trough
   double trough_height = 0;         ///< m: of the trough above the ground

@@ -36,7 +36,7 @@ struct Solver {
                                   ///< tolerance is chosen; 0: not given
   Release release = Release::crossing;
   double release_angle = std::numbers::pi;  ///< rad: phi1 of a crossing
-  std::optional<double> pin_angle;          ///< rad: phi1 - phi2 at a release by a pin
+  std::optional<double> pin_angle = {};     ///< rad: phi1 - phi2 at a release by a pin
   double release_window = 0.05;             ///< rad; the paper's value
   double max_time = 10;               ///< s: a swing without a release by then is not_released
   std::uint64_t max_steps = 1000000;  ///< per swing, accepted and rejected
