@@ -91,7 +91,7 @@ double error_in(const std::string& stepper, const Scene& scene, const Design<dou
     for (std::uint64_t i = 0; i < count; ++i) now = advance(motion, now, h);
   };
   if constexpr (E.trough) {
-    integrate_phase(static_cast<T>(phases.sliding), steps.sliding);
+    if (phases.sliding > 0) integrate_phase(static_cast<T>(phases.sliding), steps.sliding);
     motion.set_sliding(T(0));
     motion.rates(now.x, now.directions, now.dxdt);
   }

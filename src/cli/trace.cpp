@@ -73,6 +73,7 @@ TracedSwing<E> find_events(const Job& job, const Design<double>& design,
   const auto outcome =
       swing<E>(job.scene, design, job.solver, E.trough ? Observer<E>(observe) : Observer<E>(),
                fields, {&value, fields.size()});
+  if (outcome.status == Status::never_lifted) lift_off.reset();  // released before the lift-off
   return {outcome, lift_off};
 }
 

@@ -32,7 +32,10 @@ std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, 
       spectra.push_back({h, eigenvalues(j)});
     };
     const auto observe = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
-      if (spectra.empty()) add(0, from.x);
+      if (spectra.empty()) {
+        if (motion.normal_force(from.x, from.directions) <= 0) motion.set_sliding(0);
+        add(0, from.x);
+      }
       add(to.t - from.t, to.x);
       if (motion.sliding() > 0 && motion.normal_force(to.x, to.directions) < small_force)
         motion.set_sliding(0);

@@ -242,11 +242,6 @@ class Mechanism {
     return loads;
   }
 
-  /// The same without a trough.
-  Loads<T> loads(const X& x, const X& dxdt) const requires(!E.trough) {
-    return loads(x, dxdt, T(0));
-  }
-
   const Scene& scene() const { return scene_; }
   const Design<T>& design() const { return design_; }
 

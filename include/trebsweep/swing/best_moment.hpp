@@ -14,7 +14,7 @@ template <class T>
 struct Worth {
   T value;      ///< the range by the rule farthest, the square of the speed by the rule fastest
   T slope;      ///< its rate along the swing
-  T clearance;  ///< m: below zero, there is no worth, and value and slope are NaN
+  T clearance;  ///< m above ground_rounding; below zero, value and slope are NaN
 };
 
 template <class T, Effects E>
@@ -28,7 +28,7 @@ Worth<T> worth(Release rule, const Mechanism<T, E>& mechanism, const Instant<T, 
     // A flight does not change its own impact: only the rest of the acceleration does.
     const auto range = range_and_slope(scene, position, velocity,
                                        force + deceleration(scene, velocity), tolerance);
-    return {range.value, range.slope, position.y + T(scene.fulcrum_height)};
+    return {range.value, range.slope, position.y + T(scene.fulcrum_height + ground_rounding)};
   }
   const Vector<T> acceleration = force + Vector<T>{T(0), T(-scene.gravity)};
   return {dot(velocity, velocity), T(2) * dot(velocity, acceleration), T(1)};
@@ -105,7 +105,7 @@ Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, Stepper& 
   const auto located = best.bracket.low < best.bracket.high;
   // The ends of the part come from interpolation: the root may lie slightly beyond them.
   Bracket<T, E> bracket = best.bracket;
-  bracket.low = bracket.low - T(0.01);
+  bracket.low = select(bracket.low > T(0), T(bracket.low - T(0.01)), T(0));
   bracket.high = bracket.high + T(0.01);
   const auto falling = [&](const Instant<T, E>& at) {
     constexpr double margin = 1e-9;  // m: on the ground, rounding errors would decide

@@ -10,8 +10,8 @@
 namespace trebsweep {
 
 /// The value of a field at the release in state x, for the fields that are not in SwingResult and
-/// do not have an integration of their own. The record and the flight need only hold what the field
-/// is made of.
+/// do not have an integration of their own. The record and the flight need only hold the quantities
+/// that the field uses.
 template <class T, Effects E>
 T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T, E>& x,
                    const SwingRecord<T>& record, const Flight<T>& flight) {

@@ -22,11 +22,16 @@ struct Flight {
   T apex;          ///< m: the greatest height above the ground after the release
 };
 
+/// A projectile that lifts off from a trough on the ground is there up to rounding errors: so far
+/// below the ground, m, counts as on it.
+inline constexpr double ground_rounding = 1e-6;
+
 /// Height above the ground, m; NaN below the ground.
 template <class T>
 T flight_height(const Scene& scene, const Vector<T>& position) {
   const T height = position.y + T(scene.fulcrum_height);
-  return select(height >= T(0), height, T(std::numeric_limits<double>::quiet_NaN()));
+  const T above = select(height > T(0), height, T(0));
+  return select(height >= T(-ground_rounding), above, T(std::numeric_limits<double>::quiet_NaN()));
 }
 
 /// The vertical speed at the impact, m/s, and the duration, s, of a flight without drag.

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -76,6 +78,16 @@ auto outcome_of(Status status, const Instant<T, E>& at, std::size_t lane,
 template <class Number>
 Number latest_time(const Solver& solver) {
   return Number(solver.max_time) * Number(1 + 4 * std::numeric_limits<double>::epsilon());
+}
+
+/// The number of steps after which a swing may have to end.
+template <bool adaptive>
+std::uint64_t step_limit(const Solver& solver) {
+  if (adaptive) return solver.max_steps;
+  const double steps = std::ceil(solver.max_time / solver.time_step * (1 - 4e-16));
+  return steps < static_cast<double>(solver.max_steps)
+             ? std::max<std::uint64_t>(1, static_cast<std::uint64_t>(steps))
+             : solver.max_steps;
 }
 
 }  // namespace trebsweep

@@ -7,6 +7,7 @@
 #include "trebsweep/ode/event.hpp"
 #include "trebsweep/ode/interpolation.hpp"
 #include "trebsweep/swing/lane_state.hpp"
+#include "trebsweep/swing/release_rule.hpp"
 #include "trebsweep/swing/swing_record.hpp"
 
 namespace trebsweep {
@@ -16,11 +17,13 @@ namespace trebsweep {
 template <class Stepper, class T, Effects E>
 class LiftOffQueue {
  public:
+  using Number = typename Lanes<T>::Number;
   LiftOffQueue(const Solver& solver, const RecordRequest& request)
       : tolerance_(solver.tolerance), request_(request) {}
 
   /// The lanes whose projectile slides at the start of a step and would have to be pulled into the
-  /// trough at a later instant of it. The motion is interpolated at the ends of parts.
+  /// trough later in it: at the end of one of its parts, where the motion is interpolated. A
+  /// shorter lack of force is not seen.
   LaneMask find(const Motion<T, E>& motion, const Instant<T, E>& from, const Instant<T, E>& to) {
     const auto sliding = motion.sliding() > T(0);
     if (lanes_of(sliding) == 0) return 0;
@@ -37,7 +40,7 @@ class LiftOffQueue {
     return lanes_of((normal_ <= T(0)) & sliding);
   }
 
-  /// Whether the swing in a lane, which slides, lifts off in the step given to find().
+  /// Whether the sliding swing in a lane lifts off in the step last passed to find().
   bool finds(std::size_t lane) const { return get_lane(normal_, lane) <= Number(0); }
 
   /// Whether it does so before `limit`, within a fixed step that ends later.
@@ -81,7 +84,7 @@ class LiftOffQueue {
     if constexpr (has_fields<T>) {
       const Mechanism<T, E> mechanism(scene, state.design);
       record = record_step(record, request_, stepper, tolerance_, state.motion, mechanism, from, to,
-                           T(to.t - from.t));
+                           step_between(from, to));
     }
     record.lift_off_time = to.t;
     observe(from, to);
@@ -91,26 +94,27 @@ class LiftOffQueue {
     waiting_.size = 0;
   }
 
-  /// A swing that continues in a lane.
+  /// A swing that continues in a lane, unless it has `ended` in its step before the lift-off.
   struct Continued {
     std::uint64_t index, steps;
+    bool ended;
   };
 
   /// Moves a swing whose lift-off is located to a lane.
-  Continued pop(std::size_t lane, LaneState<T, E>& state, SwingRecord<T>& record,
-                Instant<T, E>& now) {
+  Continued pop(const ReleaseRule<Number>& rule, std::size_t lane, LaneState<T, E>& state,
+                SwingRecord<T>& record, Instant<T, E>& now) {
     Swings& last = located_.back();
     const std::size_t i = --last.size;
     copy_lane<T>(state, lane, last.swings.state, i);
     copy_lane<T>(record, lane, last.swings.record, i);
     copy_lane<T>(now, lane, last.swings.to, i);
-    const Continued swing{last.indices[i], last.steps[i]};
+    const Continued swing{last.indices[i], last.steps[i],
+                          rule.ends_sliding(i, last.swings.from, last.swings.to)};
     if (i == 0) located_.pop_back();
     return swing;
   }
 
  private:
-  using Number = typename Lanes<T>::Number;
   static constexpr std::size_t lanes = Lanes<T>::count;
 
   struct Pending {

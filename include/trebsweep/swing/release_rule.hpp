@@ -36,7 +36,7 @@ class ReleaseRule {
         window_(solver.release_window),
         max_time_(solver.max_time) {}
 
-  /// The passage of an angle that ends the swing; of the window, its beginning.
+  /// The event that ends the swing; for the window, the angle at which it begins.
   const AngleEvent<Number>& event() const { return event_; }
 
   bool is_window() const { return name_ == Release::window; }

@@ -11,7 +11,7 @@ namespace trebsweep {
 enum class Status : std::uint8_t {
   outside_lattice,        ///< not a design of the lattice
   released,               ///< has a release
-  not_released,           ///< no release before max-time
+  not_released,           ///< no release before max-time, or none above the ground
   unreachable_start,      ///< r1 < |h - h0 + r4|: the arm does not reach the start height
   step_budget,            ///< neither a release nor max-time within max-steps
   step_underflow,         ///< the tolerance requires steps too short to change the time

@@ -26,8 +26,8 @@ struct NullObserver {
 /// receives the outcomes in any order; designs are numbered in the order of next(). If design n has
 /// a release, values[n * fields.size() + i] is set to fields[i], none of which may be in
 /// SwingResult. observe(from, to) requires a T with one lane. It is called with the ends of every
-/// accepted step, except the last one of a swing without a release; the last step of a released
-/// swing ends at the release.
+/// accepted step, except the last one of a swing without a release, and of the step that ends at
+/// the release; by rules that choose the release, steps beyond it are observed before.
 template <class Stepper, class T, Effects E, class Next, class Done, class Observe = NullObserver>
 class Swings {
  public:
@@ -285,10 +285,14 @@ class Swings {
     if (rule_.chooses()) copy_lane<T>(best_, lane, BestMoment<T, E>{}, 0);
     bool continued = false;
     if constexpr (E.trough) {
-      continued = lift_offs_.has_located();
-      if (continued) {
-        const auto [index, steps] = lift_offs_.pop(lane, lanes_, record_, now);
+      while (!continued && lift_offs_.has_located()) {
+        const auto [index, steps, ended] = lift_offs_.pop(rule_, lane, lanes_, record_, now);
+        if (ended) {  // the angle of release was reached before the lift-off
+          done_(index, outcome_of(Status::never_lifted, now, lane, Number(0), steps));
+          continue;
+        }
         owner_[lane] = {index, steps_taken_ - steps, steps_taken_, get_lane(now.t, lane)};
+        continued = true;
       }
     }
     if (!continued) {
@@ -307,15 +311,6 @@ class Swings {
     active_ |= LaneMask{1} << lane;
   }
 
-  /// The number of steps after which a swing may have to end.
-  static std::uint64_t step_limit(const Solver& solver) {
-    if (adaptive) return solver.max_steps;
-    const double steps = std::ceil(solver.max_time / solver.time_step * (1 - 4e-16));
-    return steps < static_cast<double>(solver.max_steps)
-               ? std::max<std::uint64_t>(1, static_cast<std::uint64_t>(steps))
-               : solver.max_steps;
-  }
-
   const Scene scene_;
   const Solver solver_;
   Stepper& stepper_;
@@ -330,12 +325,11 @@ class Swings {
   const T shortest_step_ = std::numeric_limits<Number>::epsilon() *
                            std::max<Number>(solver_.max_time, solver_.time_step);
   const ReleaseRule<Number> rule_{solver_};
-  const std::uint64_t step_limit_ = step_limit(solver_);
+  const std::uint64_t step_limit_ = step_limit<adaptive>(solver_);
 
   LaneState<T, E> lanes_{};
   SwingRecord<T> record_{};
   BestMoment<T, E> best_{};
-  T normal_force_{};              // of the trough at the end of the last step
   std::array<Instant, 2> now_{};  // the ends of the last step; which is which alternates
   std::array<LaneOwner<Number>, lanes> owner_{};
   LaneMask active_ = 0;
