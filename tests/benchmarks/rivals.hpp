@@ -15,6 +15,7 @@
 #include <functional>
 
 #include "trebsweep/model/motion.hpp"
+#include "trebsweep/model/start.hpp"
 
 /// Other ODE solvers: each integrates one design of the paper's scene with the program's equations,
 /// at a relative and absolute tolerance, and returns the speed at phi1 = pi (m/s).
