@@ -239,7 +239,8 @@ TEST_CASE("Fields at the release follow from the state") {
   const double vy = 0.58 * v[2] * std::sin(v[0]);
   CHECK(std::hypot(vx, vy) == Approx(speed));
   const double height = 1.5 + 0.91 - 0.58 * std::cos(v[0]);
-  CHECK(v[5] == Approx(vx * (vy + std::sqrt(vy * vy + 2 * g * height)) / g));
+  const double x3 = -0.58 * std::sin(v[0]);  // from the foot of the fulcrum
+  CHECK(v[5] == Approx(x3 + vx * (vy + std::sqrt(vy * vy + 2 * g * height)) / g));
   // Potential energy: counterweight and beam fall, the projectile rises.
   const double m2 = 7850 * 0.01 * 1.42,
                turn = 0.5 / 0.51 + 1;  // cos phi1 falls from 0.5/0.51 to -1
@@ -266,7 +267,8 @@ TEST_CASE(
     const double vx = r2 * w - r3 * sling_rate * std::cos(angle);
     const double vy = r3 * sling_rate * std::sin(angle);
     const double height = scene.fulcrum_height + r2 - r3 * std::cos(angle), g = scene.gravity;
-    const double range = vx * (vy + std::sqrt(vy * vy + 2 * g * height)) / g;
+    const double x3 = -r3 * std::sin(angle);  // from the foot of the fulcrum
+    const double range = x3 + vx * (vy + std::sqrt(vy * vy + 2 * g * height)) / g;
     CHECK(values[4 * n + 3] == Approx(range).epsilon(1e-9).margin(1e-9));
     ++(vx < 0 ? backwards : forwards);
   }
