@@ -7,8 +7,8 @@
 
 namespace trebsweep {
 
-/// The keys that a job does not use, each with the rest of a message that says so: "left out unless
-/// solver.release is window".
+/// The keys that a job does not use, each with the reason, as the rest of a message: "left out
+/// unless solver.release is window".
 std::map<std::string, std::string> unused_keys(const Job& job);
 
 /// Checks the rules across keys, whose values are each in their own range; `given` are the texts of

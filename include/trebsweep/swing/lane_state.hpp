@@ -47,8 +47,8 @@ struct LaneOwner {
 template <class Stepper>
 inline constexpr int parts_to_search = is_adaptive<Stepper> ? 4 : 1;
 
-/// The time between two instants, s. If there is none, a negligible time: steppers need a length
-/// that is not zero.
+/// The time between two instants, s; a negligible one where it would be zero, because steppers need
+/// a positive length.
 template <class T, Effects E>
 T step_between(const Instant<T, E>& from, const Instant<T, E>& to) {
   const T h = to.t - from.t;
