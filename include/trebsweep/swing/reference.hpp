@@ -27,8 +27,7 @@ Reference reference(const Scene& scene, const Design<double>& design, const Solv
 /// The speed (m/s) of a release in extended precision, by vern8 at a tolerance; NaN without a
 /// release within 100,000 steps. `long double` has a significand of 64 bits on x86-64, where this
 /// takes 0.2 ms at 1e-13 and 0.3 ms at 1e-15 for the paper's optimum, 50 times less than a
-/// reference. Of `solver`, max_time and the located() release
-/// are used.
+/// reference. Of `solver`, max_time and the release are used.
 double speed_in_extended_precision(const Scene& scene, const Design<double>& design,
                                    double tolerance, const Solver& solver);
 
