@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "trebsweep/job/constraint.hpp"
 #include "trebsweep/job/lattice.hpp"
 #include "trebsweep/model/scene.hpp"
 #include "trebsweep/ode/solver.hpp"
@@ -35,6 +36,23 @@ struct Output {
   int compression = 0;  ///< deflate level, 0 (off) to 9
 };
 
+/// What a search for the optimum makes as large as possible: the objective of the design itself, or
+/// that of designs whose lengths are off by up to a deviation, at worst or on average.
+enum class Robust { no, worst, expected };
+
+/// In the order of Robust.
+inline constexpr std::array<std::string_view, 3> robust_names{"no", "worst", "expected"};
+
+/// Which design is the optimum: that with the largest objective among those that satisfy all
+/// constraints.
+struct OptimumSpec {
+  Field objective = Field::speed;       ///< one that is_quantity()
+  std::vector<Constraint> constraints;  ///< `subject-to`
+  double deviation = 0;                 ///< m: by how much each built length may be off
+  Robust robust = Robust::no;
+  bool refine = false;  ///< whether a sweep searches between the designs of its lattice
+};
+
 /// What `trebsweep assess` compares.
 struct Assessment {
   std::vector<std::string> scenes;    ///< scene or job files; if empty, the job's own scene
@@ -57,6 +75,7 @@ struct Job {
   LatticeSpec lattice;
   Solver solver;
   Output output;
+  OptimumSpec optimum;
   Assessment assess;
 };
 

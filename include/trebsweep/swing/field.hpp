@@ -124,6 +124,13 @@ inline constexpr bool is_flag(Field field) {
 /// Names of the flags 0 (no release), 1 and 2 of the field slack.
 inline constexpr std::array<std::string_view, 3> slack_names{"no_release", "taut", "slack"};
 
+/// Whether a field is a continuous quantity of the machine, rather than a flag or a property of the
+/// integration: only such a field can be an objective or be constrained.
+inline constexpr bool is_quantity(Field field) {
+  return !is_flag(field) && info(field).kind != FieldKind::separate && field != Field::steps &&
+         field != Field::energy_drift;
+}
+
 inline constexpr bool is_basic(Field field) { return info(field).kind == FieldKind::result; }
 inline constexpr bool is_separate(Field field) { return info(field).kind == FieldKind::separate; }
 
