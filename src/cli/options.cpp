@@ -25,7 +25,8 @@ bool uses(Command command, const Key& key) {
   const std::string section = key.section();
   if (section == "scene" || section == "solver") return true;
   if (command == Command::trace) return false;
-  if (command == Command::assess) return section != "output" || key.name == "output.file";
+  if (command == Command::assess)
+    return section == "lattice" || section == "assess" || key.name == "output.file";
   return section != "assess";
 }
 

@@ -39,6 +39,8 @@ constexpr Solver Job::*section_of<Solver> = &Job::solver;
 template <>
 constexpr Output Job::*section_of<Output> = &Job::output;
 template <>
+constexpr OptimumSpec Job::*section_of<OptimumSpec> = &Job::optimum;
+template <>
 constexpr Assessment Job::*section_of<Assessment> = &Job::assess;
 
 /// The key for a member of a section. `help` is its meaning and ends with its unit.
@@ -195,6 +197,23 @@ const std::vector<Key>& job_keys() {
           choice<Storage>(storage_names), &Output::storage),
       key("output.compression", "deflate level of the maps, where 0 means no compression",
           integer<int>(0, 9), &Output::compression),
+
+      key("optimum.objective", "field whose largest value is the optimum",
+          quantity(), &OptimumSpec::objective),
+      key("optimum.subject-to",
+          "constraints that the optimum satisfies, in the units of the fields (default: none)",
+          constraints(), &OptimumSpec::constraints),
+      key("optimum.deviation",
+          "largest deviation of each built length from the optimum's, where 0 means exact "
+          "lengths, m",
+          number(physical_or_zero), &OptimumSpec::deviation),
+      key("optimum.robust",
+          "what is made as large as possible: the objective of the exact lengths (no), or its "
+          "worst or expected value under the deviation",
+          choice<Robust>(robust_names), &OptimumSpec::robust),
+      key("optimum.refine",
+          "whether a sweep also searches for the optimum between the designs of its lattice",
+          yes_no(), &OptimumSpec::refine),
 
       key("assess.scenes", "scene or job files to assess (default: the job's own scene)",
           paths(), &Assessment::scenes),

@@ -120,4 +120,35 @@ KeyKind<bool> yes_no() {
   return choice<bool>(names);
 }
 
+KeyKind<Field> quantity() {
+  const std::string allowed = "one of " + quantity_names();
+  return {"NAME", allowed,
+          [=](const std::string& key, const std::string& text) {
+            const auto field = to_quantity(text);
+            if (!field) refuse(key, text, allowed);
+            return *field;
+          },
+          [](const Field& field) { return std::string(info(field).name); }};
+}
+
+KeyKind<std::vector<Constraint>> constraints() {
+  return {"LIST",
+          "a list, each FIELD <= NUMBER or FIELD >= NUMBER, separated by commas, where FIELD is as "
+          "for objective",
+          [](const std::string& key, const std::string& text) {
+            std::vector<Constraint> constraints;
+            if (boost::trim_copy(text).empty()) return constraints;
+            std::vector<std::string> parts;
+            boost::split(parts, text, boost::is_any_of(","));
+            for (const std::string& part : parts)
+              constraints.push_back(to_constraint(key, boost::trim_copy(part)));
+            return constraints;
+          },
+          [](const std::vector<Constraint>& constraints) {
+            std::vector<std::string> parts;
+            for (const Constraint& constraint : constraints) parts.push_back(to_text(constraint));
+            return fmt::format("{}", fmt::join(parts, ", "));
+          }};
+}
+
 }  // namespace trebsweep

@@ -77,21 +77,57 @@ void check_release(const Solver& solver) {
     throw InputError("solver.pin-angle: must be given with solver.release = pin");
 }
 
-void check_output(const Job& job) {
-  const Scene& scene = job.scene;
-  const auto refuse_if = [&](bool condition, Field field, const char* why) {
-    const auto& fields = job.output.fields;
-    if (condition && std::count(fields.begin(), fields.end(), field) > 0)
-      refuse("output.fields", std::string(info(field).name), fmt::format("left out {}", why));
+/// Why a scene does not have a field, as the rest of a message; empty if it has it.
+std::string why_absent(Field field, const Scene& scene) {
+  if (field == Field::peak_beam_stress && scene.beam_mass)
+    return "with scene.beam-mass: the cross-section of a measured beam is not known";
+  if (field == Field::peak_beam_stress && scene.beam_side == 0)
+    return "if scene.beam-side is 0: the beam then has no cross-section";
+  if (field == Field::lift_off_time && !scene.trough)
+    return "unless scene.trough is yes: there is no lift-off without a trough";
+  if (field == Field::peak_hanger_tension && scene.counterweight_hanger == 0)
+    return "unless scene.counterweight-hanger is above 0: there is no hanger";
+  return "";
+}
+
+/// Checks that the scene has every field that the job asks for.
+void check_fields(const Job& job) {
+  const auto check = [&](Field field, const char* key, const std::string& value,
+                         const char* allowed) {
+    if (const std::string why = why_absent(field, job.scene); !why.empty())
+      refuse(key, value, fmt::format("{} {}", allowed, why));
   };
-  refuse_if(scene.beam_mass.has_value(), Field::peak_beam_stress,
-            "with scene.beam-mass: the cross-section of a measured beam is not known");
-  refuse_if(scene.beam_side == 0, Field::peak_beam_stress,
-            "if scene.beam-side is 0: the beam then has no cross-section");
-  refuse_if(!scene.trough, Field::lift_off_time,
-            "unless scene.trough is yes: there is no lift-off without a trough");
-  refuse_if(scene.counterweight_hanger == 0, Field::peak_hanger_tension,
-            "unless scene.counterweight-hanger is above 0: there is no hanger");
+  const auto name = [](Field field) { return std::string(info(field).name); };
+  for (const Field field : job.output.fields)
+    check(field, "output.fields", name(field), "left out");
+  const Field objective = job.optimum.objective;
+  check(objective, "optimum.objective", name(objective), "another field");
+  for (const Constraint& constraint : job.optimum.constraints)
+    check(constraint.field, "optimum.subject-to", to_text(constraint), "left out");
+}
+
+/// Checks that two constraints on the same field are a lower limit and a larger upper limit.
+void check_pair(const Constraint& a, const Constraint& b) {
+  if (a.is_upper == b.is_upper)
+    refuse("optimum.subject-to", to_text(b),
+           fmt::format("the only {} limit of {}; {} is another", a.is_upper ? "upper" : "lower",
+                       info(a.field).name, to_text(a)));
+  const double low = (a.is_upper ? b : a).limit, high = (a.is_upper ? a : b).limit;
+  if (low >= high)
+    refuse("optimum.subject-to", fmt::format("{}, {}", to_text(a), to_text(b)),
+           fmt::format("a lower limit below the upper limit: {}",
+                       low == high ? "equal limits leave no room for a search"
+                                   : "no design satisfies both"));
+}
+
+void check_optimum(const OptimumSpec& optimum) {
+  const auto& constraints = optimum.constraints;
+  for (auto b = constraints.begin(); b != constraints.end(); ++b)
+    for (auto a = constraints.begin(); a != b; ++a)
+      if (a->field == b->field) check_pair(*a, *b);
+  if (optimum.robust != Robust::no && optimum.deviation == 0)
+    refuse("optimum.robust", std::string(robust_names[static_cast<std::size_t>(optimum.robust)]),
+           "no unless optimum.deviation is above 0");
 }
 
 }  // namespace
@@ -143,7 +179,8 @@ void check_rules(const Job& job, const std::map<std::string, std::string>& given
   check_beam(job.scene);
   check_trough(job.scene);
   check_sling(job.scene);
-  check_output(job);
+  check_fields(job);
+  check_optimum(job.optimum);
 }
 
 }  // namespace trebsweep

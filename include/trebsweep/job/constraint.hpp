@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "trebsweep/swing/field.hpp"
 
@@ -19,7 +21,17 @@ inline double violation(const Constraint& constraint, double value) {
   return constraint.is_upper ? value - constraint.limit : constraint.limit - value;
 }
 
+/// The field with a name, if there is one that is_quantity().
+std::optional<Field> to_quantity(std::string_view name);
+
+/// The names of the fields that are quantities, separated by commas.
+std::string quantity_names();
+
 /// The constraint as in a job file: "peak-axle-load <= 150000".
 std::string to_text(const Constraint& constraint);
+
+/// The constraint with a text, where spaces do not matter. Throws InputError naming the key, the
+/// text and what is allowed.
+Constraint to_constraint(const std::string& key, const std::string& text);
 
 }  // namespace trebsweep

@@ -11,8 +11,8 @@
 namespace trebsweep {
 
 /// The sections of a job file, in their order.
-inline constexpr std::array<std::string_view, 5> job_sections{"scene", "lattice", "solver",
-                                                              "output", "assess"};
+inline constexpr std::array<std::string_view, 6> job_sections{"scene",  "lattice", "solver",
+                                                              "output", "optimum", "assess"};
 
 /// One key of the job file, which is also a command-line option.
 struct Key {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "trebsweep/base/number.hpp"
+#include "trebsweep/job/constraint.hpp"
 #include "trebsweep/job/lattice.hpp"
 
 namespace trebsweep {
@@ -48,6 +49,12 @@ KeyKind<std::string> choice(std::span<const std::string_view> names);
 
 /// yes or no.
 KeyKind<bool> yes_no();
+
+/// A field that is_quantity().
+KeyKind<Field> quantity();
+
+/// A list of constraints, separated by commas, possibly empty.
+KeyKind<std::vector<Constraint>> constraints();
 
 /// The words of a list, separated by commas, spaces or both.
 std::vector<std::string> to_words(const std::string& text);
