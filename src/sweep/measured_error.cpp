@@ -62,7 +62,7 @@ std::vector<Check> check(const Job& job, std::span<const Design<double>> designs
   std::vector<SwingResult> results(designs.size()), accurate(designs.size());
   std::vector<double> values(designs.size() * fields.size());
   integrate(job.scene, job.solver, {designs, results, fields, values});
-  integrate_accurately(job.scene, job.solver, designs, accurate);
+  integrate_accurately(job.scene, job.solver, {designs, accurate});
   std::vector<Check> checks;
   for (std::size_t i = 0; i < designs.size(); ++i)
     checks.push_back({.design = designs[i],

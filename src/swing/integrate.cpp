@@ -44,7 +44,7 @@ std::vector<double> separate_values(Field field, const Scene& scene, const Solve
   std::vector<double> values(designs.size());
   if (field == Field::speed_error) {
     std::vector<SwingResult> truth(designs.size());
-    integrate_accurately(scene, solver, designs, truth);
+    integrate_accurately(scene, solver, {designs, truth});
     std::transform(results.begin(), results.end(), truth.begin(), values.begin(),
                    [](const SwingResult& a, const SwingResult& b) { return a.speed - b.speed; });
   } else {
@@ -91,16 +91,21 @@ Work integrate(const Scene& scene, const Solver& solver, const Batch& batch) {
   return work;
 }
 
-void integrate_accurately(const Scene& scene, const Solver& solver,
-                          std::span<const Design<double>> designs, std::span<SwingResult> results) {
+void integrate_accurately(const Scene& scene, const Solver& solver, const Batch& batch) {
+  const auto& [designs, results, fields, values] = batch;
   std::vector<std::size_t> left(designs.size());  // to be integrated
   std::iota(left.begin(), left.end(), std::size_t{0});
   for (double tolerance = 1e-13; tolerance < 2e-10 && !left.empty(); tolerance *= 10) {
     std::vector<Design<double>> retried;
     for (const std::size_t i : left) retried.push_back(designs[i]);
     std::vector<SwingResult> found(left.size());
-    integrate_swings(scene, accurate(scene, solver, tolerance), {retried, found});
-    for (std::size_t k = 0; k < left.size(); ++k) results[left[k]] = found[k];
+    std::vector<double> found_values(left.size() * fields.size());
+    const Batch part{retried, found, fields, found_values};
+    integrate(scene, accurate(scene, solver, tolerance), part);
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      results[left[k]] = found[k];
+      std::ranges::copy(part.slice(k, 1).values, batch.slice(left[k], 1).values.begin());
+    }
     std::erase_if(left, [&](std::size_t i) {
       return results[i].status != Status::step_underflow &&
              results[i].status != Status::step_budget;

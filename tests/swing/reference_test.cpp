@@ -39,7 +39,7 @@ double accurate_speed(const std::string& stepper, const Scene& scene,
   Solver solver;
   solver.stepper = stepper;
   SwingResult result;
-  integrate_accurately(scene, solver, {&design, 1}, {&result, 1});
+  integrate_accurately(scene, solver, {{&design, 1}, {&result, 1}});
   return result.speed;
 }
 

@@ -11,13 +11,12 @@ namespace trebsweep {
 /// lanes is the sum of the results' steps over Work::lane_steps.
 Work integrate(const Scene& scene, const Solver& solver, const Batch& batch);
 
-/// Integrates designs far more accurately than a job does: to the located() release, at a tolerance
+/// Integrates a batch far more accurately than a job does: to the located() release, at a tolerance
 /// of 1e-13, by vern8. A job's own vern8 is checked by another stepper: fehlberg78, or dopri5 in
 /// scenes with an elastic sling. A swing whose steps underflow or exceed 100,000 is integrated
-/// again at 1e-12, 1e-11 and at last 1e-10. Errors are below 1e-11 m/s on the paper's lattice, and
-/// below 1e-8 m/s where an elastic sling goes slack. Of `solver`, the stepper, max_time and the
-/// release are used.
-void integrate_accurately(const Scene& scene, const Solver& solver,
-                          std::span<const Design<double>> designs, std::span<SwingResult> results);
+/// again at 1e-12, 1e-11 and at last 1e-10. The errors of speeds are below 1e-11 m/s on the paper's
+/// lattice, and below 1e-8 m/s where an elastic sling goes slack. Of `solver`, the stepper,
+/// max_time and the release are used.
+void integrate_accurately(const Scene& scene, const Solver& solver, const Batch& batch);
 
 }  // namespace trebsweep
