@@ -193,6 +193,39 @@ TEST_CASE(
   CHECK_THAT(to_text(job), !contains("assess"));
 }
 
+TEST_CASE("By default the optimum is the fastest design, without constraints") {
+  const OptimumSpec optimum = parse("").optimum;
+  CHECK(optimum.objective == Field::speed);
+  CHECK(optimum.constraints.empty());
+  CHECK(optimum.deviation == 0);
+  CHECK(optimum.robust == Robust::no);
+  CHECK_FALSE(optimum.refine);
+  CHECK_THAT(to_text(parse("")), contains("\n[optimum]\nobjective = speed\ndeviation = 0\n"
+                                          "robust = no\nrefine = no\n"));
+}
+
+TEST_CASE("The objective and the constraints of an optimum survive a round trip through text") {
+  const std::string text = R"([optimum]
+objective = range
+subject-to = peak-beam-stress<=1.2e8,peak-axle-load <= 1.5e5 , least-sling-tension >= 0
+deviation = 0.005
+robust = worst
+refine = yes
+)";
+  const Job job = parse(text), again = parse(to_text(job));
+  CHECK(to_text(again) == to_text(job));
+  CHECK_THAT(to_text(job), contains("\nsubject-to = peak-beam-stress <= 120000000, peak-axle-load "
+                                    "<= 150000, least-sling-tension >= 0\n"));
+  CHECK(again.optimum.objective == Field::range);
+  REQUIRE(again.optimum.constraints.size() == 3);
+  CHECK(again.optimum.constraints[1].field == Field::peak_axle_load);
+  CHECK(again.optimum.constraints[1].limit == 1.5e5);
+  CHECK(again.optimum.deviation == 0.005);
+  CHECK(again.optimum.robust == Robust::worst);
+  CHECK(again.optimum.refine);
+  CHECK(parse(text, {{"optimum.subject-to", " "}}).optimum.constraints.empty());
+}
+
 TEST_CASE("Spaces around a number and a leading + are allowed") {
   CHECK(parse("", {{"scene.gravity", " +9.5 "}}).scene.gravity == 9.5);
   CHECK_THROWS_AS(parse("", {{"scene.gravity", "+-9.5"}}), InputError);

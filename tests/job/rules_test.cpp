@@ -122,6 +122,57 @@ TEST_CASE("Fields of the trough and of the hanger are refused in a scene without
   CHECK_NOTHROW(parse_scene("counterweight-hanger = 0.3\n" + fields("peak-hanger-tension")));
 }
 
+TEST_CASE("An objective or constraint on a field that the scene does not have is refused") {
+  const std::string stress = "peak-beam-stress <= 120000000";
+  for (const std::string& scene : {beam, std::string("beam-side = 0\n")}) {
+    CHECK_THROWS_WITH(parse_scene(scene + "[optimum]\nsubject-to = speed >= 1, " + stress),
+                      contains("optimum.subject-to = " + stress + ": must be left out ") &&
+                          contains("scene.beam-"));
+    CHECK_THROWS_WITH(parse_scene(scene + "[optimum]\nobjective = peak-beam-stress\n"),
+                      contains("optimum.objective = peak-beam-stress: must be another field "));
+  }
+  CHECK_THROWS_WITH(parse("[optimum]\nobjective = lift-off-time\n"),
+                    contains("optimum.objective = lift-off-time: must be another field unless "
+                             "scene.trough is yes"));
+  CHECK_THROWS_WITH(parse("[optimum]\nsubject-to = peak-hanger-tension <= 5e4\n"),
+                    contains("optimum.subject-to = peak-hanger-tension <= 50000: must be left out "
+                             "unless scene.counterweight-hanger is above 0"));
+  CHECK_NOTHROW(parse("[optimum]\nsubject-to = " + stress));
+  CHECK_NOTHROW(parse_scene("trough = yes\n[optimum]\nobjective = lift-off-time\n"));
+  CHECK_NOTHROW(parse_scene(
+      "counterweight-hanger = 0.3\n[optimum]\nsubject-to = peak-hanger-tension <= 5e4"));
+}
+
+TEST_CASE("Two constraints on a field are a lower limit and a larger upper limit") {
+  const auto subject_to = [](const std::string& list) {
+    return parse("", {{"optimum.subject-to", list}});
+  };
+  CHECK_THROWS_WITH(subject_to("speed >= 4, apex <= 9, speed <= 3"),
+                    "optimum.subject-to = speed >= 4, speed <= 3: must be a lower limit below the "
+                    "upper limit: no design satisfies both");
+  CHECK_THROWS_WITH(subject_to("speed <= 3, speed >= 3"),
+                    "optimum.subject-to = speed <= 3, speed >= 3: must be a lower limit below the "
+                    "upper limit: equal limits leave no room for a search");
+  CHECK_THROWS_WITH(subject_to("speed <= 3, range >= 2, speed <= 4"),
+                    "optimum.subject-to = speed <= 4: must be the only upper limit of speed; speed "
+                    "<= 3 is another");
+  CHECK_THROWS_WITH(
+      subject_to("apex >= 3, apex >= 3"),
+      "optimum.subject-to = apex >= 3: must be the only lower limit of apex; apex >= 3 "
+      "is another");
+  CHECK(subject_to("speed <= 4, apex >= 9, speed >= 3").optimum.constraints.size() == 3);
+}
+
+TEST_CASE("A robust optimum needs a deviation") {
+  for (const std::string robust : {"worst", "expected"})
+    for (const std::string deviation : {"", "deviation = 0\n"})
+      CHECK_THROWS_WITH(
+          parse("[optimum]\nrobust = " + robust + "\n" + deviation),
+          "optimum.robust = " + robust + ": must be no unless optimum.deviation is above 0");
+  CHECK(parse("[optimum]\nrobust = worst\ndeviation = 0.01\n").optimum.robust == Robust::worst);
+  CHECK(parse("[optimum]\nrobust = no\ndeviation = 0.01\n").optimum.deviation == 0.01);
+}
+
 TEST_CASE("The moment of inertia of a measured beam is at least that of a point at its centre") {
   CHECK_THROWS_WITH(
       parse_scene("beam-mass = 2\nbeam-centre = -3\nbeam-moment = 17.99\n"),

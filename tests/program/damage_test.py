@@ -271,6 +271,9 @@ class OlderFormats(DirectoryTest):
             done = self.run_program("sweep", job)
             self.assertIn("complete archive of this job", done.stderr)
             self.assertEqual(self.read(f"version{version}.h5"), before)
+            for option in ("--optimum.objective=range", "--optimum.subject-to=speed <= 9"):  # newer than the archive
+                done = self.run_program("sweep", job, option, code=2)
+                self.assertIn("holds the archive of another job", done.stderr)
 
     def test_they_are_not_continued(self):
         for version in self.EXPECTED:

@@ -153,6 +153,36 @@ def outputs():
     yield sweep(0, "--output.file", "dangling")
 
 
+def optima():
+    """Objectives and constraints that are malformed, contradict each other or do not suit the scene."""
+    def sweep(code, *options):
+        return ["sweep", "job.cfg", *TINY, *options], code
+
+    limits = ["<", ">", "==", "=", "=>", "=<", "< =", "", "<= >="]
+    fields = ["", "sped", "Speed", "peak_axle_load", "status", "slack", "steps", "speed-error", "energy-drift", LONG]
+    lists = [",", "speed <= 3,", ",speed <= 3", "speed <= 3;apex <= 3", "speed <= 3 apex <= 3", "0 <= speed <= 3",
+             "3 >= speed", "speed >= 3, speed <= 3", "speed >= 4, speed <= 3", "speed <= 3, speed <= 4",
+             "apex >= 3,apex>=3", "lift-off-time >= 0", "peak-hanger-tension <= 1"]
+    for value in [*(f"speed {sign} 3" for sign in limits), *(f"{field} <= 3" for field in fields),
+                  *(f"speed <= {number}" for number in NO_NUMBERS), *lists]:
+        yield sweep(2, f"--optimum.subject-to={value}")
+    for value in [*fields, "speed,range", "lift-off-time", "peak-hanger-tension"]:
+        yield sweep(2, f"--optimum.objective={value}")
+    for value in [*NO_NUMBERS, "-0.01", "1e-13", "1.1e12"]:
+        yield sweep(2, f"--optimum.deviation={value}")
+    for value in ["", "yes", "Worst", "worst,expected", "worst", "expected"]:
+        yield sweep(2, f"--optimum.robust={value}")
+    for value in ["", "true", "1"]:
+        yield sweep(2, f"--optimum.refine={value}")
+    yield sweep(2, "--optimum.objective=peak-beam-stress", "--scene.beam-side=0")
+    yield sweep(2, "--optimum.subject-to=peak-beam-stress <= 1e8", "--scene.beam-side=0")
+    yield ["sweep", "strict.cfg", *TINY], 2
+    yield ["trace", "job.cfg", *DESIGN, "--optimum.objective", "range"], 2
+    yield ["assess", "job.cfg", "--optimum.objective", "range"], 2
+    yield sweep(0, "--optimum.subject-to", "")
+    yield sweep(0, "--optimum.subject-to", " speed<=+1e3 , least-sling-tension >= -0 ")
+
+
 def command_lines():
     """Command lines with too few, too many or meaningless words."""
     for arguments in [[], ["swep"], [""], [LONG], ["--halp"], ["sweep"], ["trace"], ["assess"], ["info"], ["sweep", "a", "b"],
@@ -201,6 +231,7 @@ JOB_FILES = {
     "long_line": ("[scene]\n" + "x" * 100000 + "\n", 2), "long_value": (f"[scene]\ngravity = {LONG}\n", 2),
     "long_key": (f"[scene]\n{LONG} = 1\n", 2), "huge": ("#" * (2 << 20), 2), "binary": ("[scene]\n\0\1\2", 2),
     "escape": ("[scene]\ngravity = \x1b[31m9\n", 2), "json": ('{"scene": {"gravity": 9.8}}\n', 2),
+    "strict": ("[optimum]\nsubject-to = speed < 3\n", 2), "constraint": ("[optimum]\nsubject-to = speed<=3\n", 0),
     "yaml": ("scene:\n  gravity: 9.8\n", 2), "semicolon": ("; a comment\n[scene]\n", 2),
     "quoted": ('[scene]\ngravity = "9.8"\n', 2), "unit": ("[scene]\nfulcrum-height = 1.5 m\n", 2),
     "nested": ("[scene]\nfile = nesting.cfg\n", 2), "missing_scene": ("[scene]\nfile = missing.cfg\n", 2),
@@ -226,7 +257,7 @@ def job_files():
     yield ["sweep", "duplicate.cfg"], 2
 
 
-KINDS = (scene_keys, solver_keys, lattices, outputs, command_lines, job_files)
+KINDS = (scene_keys, solver_keys, lattices, outputs, optima, command_lines, job_files)
 
 
 def fill(directory):

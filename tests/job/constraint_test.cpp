@@ -1,0 +1,112 @@
+#include "trebsweep/job/constraint.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "support/catch.hpp"
+#include "trebsweep/base/error.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+const std::string key = "optimum.subject-to";
+
+}  // namespace
+
+TEST_CASE("A constraint is read with and without spaces, and printed with them") {
+  for (const std::string text : {"peak-axle-load <= 150000", "peak-axle-load<=1.5e5",
+                                 "  peak-axle-load  <=+1.5e5 ", "peak-axle-load\t<=\t150e3"}) {
+    INFO(text);
+    const Constraint constraint = to_constraint(key, text);
+    CHECK(constraint.field == Field::peak_axle_load);
+    CHECK(constraint.is_upper);
+    CHECK(constraint.limit == 150000);
+    CHECK(to_text(constraint) == "peak-axle-load <= 150000");
+  }
+  const Constraint lower = to_constraint(key, "least-sling-tension >= -0.5");
+  CHECK(lower.field == Field::least_sling_tension);
+  CHECK_FALSE(lower.is_upper);
+  CHECK(lower.limit == -0.5);
+}
+
+TEST_CASE("The text of a constraint is read back to the same field, side and limit") {
+  for (const FieldInfo& field : field_info) {
+    if (!is_quantity(field.field)) continue;
+    for (const bool is_upper : {true, false})
+      for (const double limit : {0.1 + 0.2, -1e-300, 1.2e8, std::numeric_limits<double>::max()}) {
+        const Constraint read = to_constraint(key, to_text({field.field, is_upper, limit}));
+        CHECK(read.field == field.field);
+        CHECK(read.is_upper == is_upper);
+        CHECK(read.limit == limit);
+      }
+  }
+}
+
+TEST_CASE("The message about a malformed constraint quotes it and says what is allowed") {
+  for (const std::string text : {"",
+                                 "nonsense",
+                                 "speed",
+                                 "speed <=",
+                                 "<= 3",
+                                 "3",
+                                 "speed 3",
+                                 "speed < 3",
+                                 "speed > 3",
+                                 "speed == 3",
+                                 "speed = 3",
+                                 "speed => 3",
+                                 "speed =< 3",
+                                 "speed < = 3",
+                                 "speed <= = 3",
+                                 "speed <= x",
+                                 "speed <= 3 m/s",
+                                 "speed <= 0x10",
+                                 "speed <= nan",
+                                 "speed <= inf",
+                                 "speed >= -inf",
+                                 "speed <= 1e999",
+                                 "speed <= 3 4",
+                                 "3 <= speed",
+                                 "0 <= speed <= 3",
+                                 "speed <= 3 <= 4",
+                                 "speed >= 1 speed <= 3",
+                                 "speed <= range",
+                                 "Speed <= 3",
+                                 "mass <= 3",
+                                 "peak axle load <= 3",
+                                 "peak_axle_load <= 3"}) {
+    INFO(text);
+    CHECK_THROWS_WITH(to_constraint(key, text),
+                      contains(key + " = " + text +
+                               ": must be FIELD <= NUMBER or FIELD >= NUMBER, where FIELD is one "
+                               "of speed, release-time, sling-angle, "));
+  }
+}
+
+TEST_CASE("Flags and properties of the integration are not quantities") {
+  for (const std::string name :
+       {"status", "slack", "steps", "energy-drift", "speed-error", "stiffness", "decay-rate"}) {
+    INFO(name);
+    CHECK_FALSE(to_quantity(name));
+    CHECK_THAT(", " + quantity_names() + ",", !contains(", " + name + ","));
+    CHECK_THROWS_AS(to_constraint(key, name + " <= 1"), InputError);
+  }
+  for (const std::string name : {"speed", "range", "efficiency", "peak-hanger-tension"}) {
+    INFO(name);
+    CHECK(to_quantity(name));
+    CHECK_THAT(", " + quantity_names() + ",", contains(", " + name + ","));
+  }
+}
+
+TEST_CASE("The violation of a constraint is positive beyond the limit and NaN for NaN") {
+  const Constraint upper{Field::peak_axle_load, true, 10};
+  CHECK(violation(upper, 12) == 2);
+  CHECK(violation(upper, 10) == 0);
+  CHECK(violation(upper, 7) == -3);
+  const Constraint lower{Field::least_sling_tension, false, 10};
+  CHECK(violation(lower, 12) == -2);
+  CHECK(violation(lower, 7) == 3);
+  CHECK(std::isnan(violation(upper, std::numeric_limits<double>::quiet_NaN())));
+  CHECK(std::isnan(violation(lower, std::numeric_limits<double>::quiet_NaN())));
+}
