@@ -50,4 +50,11 @@ double to_seconds(const std::string& key, const std::string& value) {
   return seconds;
 }
 
+std::string unit_text(std::string_view units) {
+  if (units == "1") return "";
+  const std::string per_second = " s-1";
+  if (!units.ends_with(per_second)) return std::string(units);
+  return std::string(units.substr(0, units.size() - per_second.size())) + "/s";
+}
+
 }  // namespace trebsweep

@@ -23,11 +23,13 @@ constexpr std::array progress_names{"auto", "bar", "lines", "none"};
 
 Command to_command(const std::string& name) {
   if (name == "sweep") return Command::sweep;
+  if (name == "optimum") return Command::optimum;
   if (name == "trace") return Command::trace;
   if (name == "assess") return Command::assess;
   if (name == "info") return Command::info;
-  throw InputError(fmt::format(
-      "{}: unknown command; the commands are sweep, trace, assess and info", shortened(name)));
+  throw InputError(
+      fmt::format("{}: unknown command; the commands are sweep, optimum, trace, assess and info",
+                  shortened(name)));
 }
 
 ProgressStyle to_progress(const std::string& value) {
@@ -122,6 +124,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   line.file = file_of(command, given);
   line.overrides = overrides_of(given);
   line.overwrite = given.count("overwrite") > 0;
+  line.json = given.count("json") > 0;
   line.flight = given.count("flight") > 0;
   line.verify = given.count("verify") > 0;
   if (given.count("progress")) line.progress = to_progress(text_of(given, "progress"));

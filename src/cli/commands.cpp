@@ -12,6 +12,7 @@
 #include "trebsweep/cli/info.hpp"
 #include "trebsweep/cli/trace.hpp"
 #include "trebsweep/job/load_job.hpp"
+#include "trebsweep/optimum/report.hpp"
 #include "trebsweep/sweep/sweep.hpp"
 #include "trebsweep/swing/kernel.hpp"
 
@@ -19,6 +20,7 @@ namespace trebsweep {
 namespace {
 
 constexpr int complete = 0;
+constexpr int no_optimum = 1;
 constexpr int stopped = 75;  // EX_TEMPFAIL: to be tried again
 
 bool is_root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
@@ -77,6 +79,19 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
   return complete;
 }
 
+int run_optimum(const CommandLine& line) {
+  const Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
+  const bool own_lattice = line.overrides.contains("lattice.increment");
+  try {
+    const auto result = find_optimum(job, own_lattice, MPI_COMM_WORLD);
+    if (is_root()) fmt::print("{}\n", line.json ? to_json(*result) : to_text(*result, job));
+    return complete;
+  } catch (const NoOptimum& error) {
+    if (is_root()) fmt::print(stderr, "trebsweep: {}\n", error.what());
+    return no_optimum;
+  }
+}
+
 void run_assess(const CommandLine& line, const std::string& command) {
   Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
   for (const auto& [name, value] : line.overrides)
@@ -104,6 +119,7 @@ void run_serial(const CommandLine& line) {
     case Command::trace:
       return run_trace(line);
     case Command::sweep:
+    case Command::optimum:
     case Command::assess:
       // Only `trebsweep sweep -- --help` gets here: main takes it for a request for help.
       throw InputError(fmt::format("{}: to give a job file of this name, write ./{}",

@@ -23,6 +23,26 @@ their checksums are computed again. SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and
 
 )";
 
+const char* const optimum_help =
+    R"(Usage: trebsweep optimum JOB [options]
+       mpirun -n RANKS trebsweep optimum JOB [options]
+
+Searches for the design with the largest optimum.objective that satisfies
+optimum.subject-to, for lengths r1, r3 and r2 within the bounds of the job's
+lattice; a length with a single value is kept. A coarse sweep finds local maxima,
+from the best of which continuous searches start. The spacing of the coarse sweep
+is chosen, unless --lattice.increment gives it. Every design is integrated
+accurately, by vern8, whatever the job's stepper.
+
+Prints the optimum with its error, determined in quadruple precision; the limits
+that it reaches and how much the optimum grows with each; how far each length may
+be off before 1 % of the value is lost; with optimum.deviation the worst and the
+expected value of designs whose lengths are off by up to that; the number of
+local maxima and the next best; and the change of the value with each key of the
+scene, for the same lengths and for those that are then optimal.
+
+)";
+
 const char* const trace_help =
     R"(Usage: trebsweep trace JOB --r1 NUMBER --r2 NUMBER --r3 NUMBER [options]
 
@@ -99,6 +119,8 @@ std::string general_help() {
 Usage:
   trebsweep sweep JOB [options]   integrate every design of a lattice and write
                                   maps of the results to an HDF5 archive
+  trebsweep optimum JOB [options] find the best design, within limits, and how
+                                  precisely to build it
   trebsweep trace JOB --r1 NUMBER --r2 NUMBER --r3 NUMBER [options]
                                   print the swing of one design as a table, or
                                   with --flight the flight after it
@@ -108,7 +130,7 @@ Usage:
   trebsweep COMMAND --help        describe a command, its options and keys
   trebsweep --version             print the version and the instruction set
 
-sweep and assess run in parallel: mpirun -n RANKS trebsweep sweep JOB
+sweep, optimum and assess run in parallel: mpirun -n RANKS trebsweep sweep JOB
 
 JOB is a text file with keys and values; jobs/paper.cfg shows all of them. Every
 key is also an option, which takes precedence: --solver.tolerance 1e-9. The value
@@ -129,10 +151,11 @@ Exit codes:
 
 std::string command_help(Command command) {
   std::ostringstream text;
-  text << (command == Command::sweep    ? sweep_help
-           : command == Command::assess ? assess_help
-           : command == Command::info   ? info_help
-                                        : trace_help)
+  text << (command == Command::sweep     ? sweep_help
+           : command == Command::optimum ? optimum_help
+           : command == Command::assess  ? assess_help
+           : command == Command::info    ? info_help
+                                         : trace_help)
        << command_options(command);
   if (command != Command::info)
     text << "\nThe keys of the job file are options as well.\n" << key_options(command);

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -22,13 +23,14 @@ namespace {
 
 using namespace trebsweep;
 
-/// Whether the command needs MPI: sweep and assess, but not their help. Starting MPI takes a third
-/// of a second.
+/// Whether the command needs MPI: sweep, optimum and assess, but not their help. Starting MPI takes
+/// a third of a second.
 bool is_parallel(std::span<char*> arguments) {
   const auto is = [](std::string_view word) {
     return [=](const char* argument) { return argument == word; };
   };
-  return arguments.size() > 1 && (is("sweep")(arguments[1]) || is("assess")(arguments[1])) &&
+  constexpr std::array<std::string_view, 3> parallel{"sweep", "optimum", "assess"};
+  return arguments.size() > 1 && std::ranges::count(parallel, arguments[1]) > 0 &&
          std::none_of(arguments.begin(), arguments.end(), is("--help")) &&
          std::none_of(arguments.begin(), arguments.end(), is("-h"));
 }
@@ -105,6 +107,7 @@ int parallel_main(int argc, char** argv) {
       const CommandLine line = parse_command_line(argc, argv);
       const std::string command = fmt::format("{}", fmt::join(std::span(argv, argv + argc), " "));
       if (signals) return run_sweep(line, command, *signals);
+      if (line.command == Command::optimum) return run_optimum(line);
       return run_assess(line, command), 0;
     });
   } catch (const mpi::RootError& error) {

@@ -27,6 +27,7 @@ bool uses(Command command, const Key& key) {
   if (command == Command::trace) return false;
   if (command == Command::assess)
     return section == "lattice" || section == "assess" || key.name == "output.file";
+  if (command == Command::optimum && section == "output") return key.name == "output.optimum";
   return section != "assess";
 }
 
@@ -43,6 +44,9 @@ po::options_description command_options(Command command) {
       add("time-limit", text("TIME"),
           "stop with exit code 75 after this time, in seconds or as "
           "[[days-]hours:]minutes:seconds");
+      break;
+    case Command::optimum:
+      add("json", "print a JSON object instead of text");
       break;
     case Command::assess:
       add("overwrite", "replace an existing archive");

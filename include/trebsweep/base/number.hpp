@@ -46,4 +46,7 @@ double to_number(const std::string& key, const std::string& value, const Range& 
 /// if it is not a duration above 0.
 double to_seconds(const std::string& key, const std::string& value);
 
+/// A UDUNITS string in common notation: "m/s" for "m s-1", and nothing for "1".
+std::string unit_text(std::string_view units);
+
 }  // namespace trebsweep

@@ -9,7 +9,7 @@
 
 namespace trebsweep {
 
-enum class Command { help, version, sweep, trace, assess, info };
+enum class Command { help, version, sweep, optimum, trace, assess, info };
 
 /// A parsed command line.
 struct CommandLine {
@@ -19,6 +19,7 @@ struct CommandLine {
   Overrides overrides;  ///< keys of the job file given as options
   bool overwrite = false;
   bool verify = false;  ///< of Command::info
+  bool json = false;    ///< of Command::optimum
   ProgressStyle progress = ProgressStyle::automatic;
   double time_limit = std::numeric_limits<double>::infinity();  ///< s, of Command::sweep
   Design<double> design{};                                      ///< of Command::trace

@@ -11,6 +11,9 @@ namespace trebsweep {
 /// Collective; throws InputError and mpi::RootError on all ranks.
 int run_sweep(const CommandLine& line, const std::string& command, const StopSignals& signals);
 
+/// Runs `trebsweep optimum` and returns the exit code. Collective; throws InputError on all ranks.
+int run_optimum(const CommandLine& line);
+
 /// Runs `trebsweep assess`. `command` is the command line as typed. Collective; throws InputError
 /// and mpi::RootError on all ranks.
 void run_assess(const CommandLine& line, const std::string& command);

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "trebsweep/job/job.hpp"
+#include "trebsweep/job/lattice.hpp"
+
+namespace trebsweep {
+
+/// What a coarse sweep finds.
+struct CoarseSweep {
+  double increment;       ///< m
+  std::uint64_t designs;  ///< of the lattice
+  /// The designs with a release that none of their 26 neighbours exceeds, best first. Those that
+  /// violate constraints come last, by their violation. Empty if nothing is released.
+  std::vector<Design<double>> maxima;
+};
+
+/// The lattice of a coarse sweep over a job's design space, with the smallest of the increments 1,
+/// 2 and 5 times a power of ten that makes at most 100,000 designs. Explicit axes keep their ends.
+LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec);
+
+/// Integrates the designs of a lattice with moderate accuracy on all ranks, which all get the
+/// result. Throws InputError if the lattice has more than 100 million designs. Collective.
+CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, MPI_Comm comm);
+
+}  // namespace trebsweep

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "trebsweep/optimum/nonlinear_program.hpp"
+
+namespace trebsweep {
+
+/// A solution of the conditions of Karush, Kuhn and Tucker.
+struct KktPoint {
+  Point point;
+  /// How much the optimum grows when a constraint or a bound is relaxed by one: the constraints,
+  /// then the lower and the upper bounds. Zero where it is not active.
+  Eigen::VectorXd multipliers;
+  bool converged;
+};
+
+/// Newton's method for the conditions of Karush, Kuhn and Tucker, with an active set of constraints
+/// and bounds, from a point close to a local optimum. (Nocedal and Wright, Numerical Optimization,
+/// chapters 16 and 18.)
+KktPoint solve_kkt(const NonlinearProgram& program, const Point& start);
+
+}  // namespace trebsweep

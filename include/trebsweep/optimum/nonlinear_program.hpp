@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <limits>
+
+namespace trebsweep {
+
+/// Functions of n variables, evaluated at many points at once: takes a column per point, returns a
+/// row per function and a column per point. NaN where a function has no value.
+using Functions = std::function<Eigen::MatrixXd(const Eigen::MatrixXd& points)>;
+
+/// To maximize the smallest of the objectives f(x), subject to constraints c(x) <= 0 and lower <= x
+/// <= upper. Variables and constraints are scaled to the order of one.
+struct NonlinearProgram {
+  Functions functions;  ///< the objectives, then the constraints
+  Eigen::Index objectives, constraints;
+  Eigen::VectorXd lower, upper;
+
+  Eigen::Index variables() const { return lower.size(); }
+};
+
+/// A point of a nonlinear program.
+struct Point {
+  Eigen::VectorXd x;
+  double objective;  ///< the smallest of the objectives
+  double
+      violation;  ///< the largest of the constraints and 0; infinite where a function has no value
+};
+
+/// Constraints count as satisfied up to this, which is above rounding errors.
+inline constexpr double feasibility_tolerance = 1e-10;
+
+inline bool is_feasible(const Point& point) { return point.violation <= feasibility_tolerance; }
+
+/// The point whose functions have these values.
+inline Point point_of(const NonlinearProgram& program, const Eigen::VectorXd& x,
+                      const Eigen::VectorXd& values) {
+  if (!values.allFinite()) return {x, 0, std::numeric_limits<double>::infinity()};
+  const double violation =
+      program.constraints == 0 ? 0 : values.tail(program.constraints).maxCoeff();
+  return {x, values.head(program.objectives).minCoeff(), std::max(violation, 0.0)};
+}
+
+/// Whether a is better than b: feasible rather than not, then by objective or by violation.
+inline bool is_better(const Point& a, const Point& b) {
+  if (is_feasible(a) != is_feasible(b)) return is_feasible(a);
+  return is_feasible(a) ? a.objective > b.objective : a.violation < b.violation;
+}
+
+}  // namespace trebsweep

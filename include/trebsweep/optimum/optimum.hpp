@@ -1,0 +1,71 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "trebsweep/job/job.hpp"
+#include "trebsweep/optimum/allowance.hpp"
+#include "trebsweep/optimum/robust.hpp"
+#include "trebsweep/optimum/sensitivity.hpp"
+
+namespace trebsweep {
+
+/// A constraint or bound that an optimum reaches.
+struct ActiveLimit {
+  std::string constraint;  ///< "r2 + r3 <= 1.5"
+  std::string units;       ///< of the limit
+  double multiplier;       ///< d optimum / d limit
+};
+
+/// A local maximum of the objective, under the constraints.
+struct LocalMaximum {
+  Design<double> design;
+  double value;
+  std::uint64_t starts;  ///< number of searches that reached it
+};
+
+/// The best design of a job. Vectors and matrices of lengths are in the order r1, r3, r2.
+struct OptimumResult {
+  Field objective;
+  Design<double> design;
+  double value;         ///< of the objective
+  double error;         ///< of the value: its distance from the value in quadruple precision
+  double release_time;  ///< s
+  std::vector<ActiveLimit> active;
+  std::array<double, 3> gradient;                ///< of the objective, per m
+  std::array<std::array<double, 3>, 3> hessian;  ///< per m^2
+  std::array<Allowance, 3> allowances;
+  /// By the keys of the scene, without the section.
+  std::vector<std::pair<std::string, Sensitivity>> sensitivities;
+  std::optional<Robustness> robustness;  ///< under the job's deviation, if it has one
+  std::vector<LocalMaximum> maxima;      ///< best first; the optimum is the first one
+  double coarse_increment;               ///< m
+  std::uint64_t starts;                  ///< number of searches
+  std::uint64_t designs;                 ///< integrated
+  double seconds;
+};
+
+/// Searches for the optimum of a job: a coarse sweep of the job's own lattice or of
+/// coarse_lattice(), then continuous searches from its best local maxima. Every design is
+/// integrated accurately by vern8 to the solver's located() release. Returns the result on rank 0.
+/// Throws NoOptimum on all ranks if the design space is empty, nothing is released or no design
+/// satisfies the constraints. Collective.
+std::optional<OptimumResult> find_optimum(const Job& job, bool own_lattice, MPI_Comm comm);
+
+/// The local optimum near a design, and its release time: what a sweep refines.
+struct RefinedOptimum {
+  Design<double> design;
+  double value, speed, release_time;
+};
+
+/// The continuous optimum of a job's design space that a search from a design reaches; nothing if
+/// it reaches no feasible one.
+std::optional<RefinedOptimum> refine(const Job& job, const Design<double>& start);
+
+}  // namespace trebsweep

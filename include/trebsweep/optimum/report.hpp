@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "trebsweep/job/job.hpp"
+#include "trebsweep/optimum/optimum.hpp"
+
+namespace trebsweep {
+
+/// The result as lines of text for the user.
+std::string to_text(const OptimumResult& result, const Job& job);
+
+/// The result as a JSON object. Numbers that do not exist are null.
+std::string to_json(const OptimumResult& result);
+
+}  // namespace trebsweep

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+#include "trebsweep/optimum/design_problem.hpp"
+#include "trebsweep/optimum/local_search.hpp"
+
+namespace trebsweep {
+
+/// The objective of a design over the box of lengths that are off by up to a deviation each, those
+/// of fixed lengths included. NaN if a design in the box has no release.
+struct Robustness {
+  double worst;     ///< the smallest value
+  double expected;  ///< the mean, by Gauss-Legendre quadrature with seven nodes per length
+};
+
+/// `deviation` is in metres. Adds the number of designs that it integrates to `integrated`.
+Robustness robustness(const DesignProblem& problem, const Design<double>& design, double deviation,
+                      std::uint64_t& integrated);
+
+/// The design near `start` with the best worst case or the best expected value, such that all
+/// designs within the deviation satisfy the constraints. Its multipliers are those of the nominal
+/// program's constraints. The worst cases are those of the vertices of the box and of deviations
+/// that are found to be worse (exchange method).
+KktPoint robust_search(const DesignProblem& problem, const Design<double>& start, Robust robust,
+                       double deviation, std::uint64_t& integrated);
+
+}  // namespace trebsweep

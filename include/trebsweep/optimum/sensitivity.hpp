@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "trebsweep/job/job.hpp"
+#include "trebsweep/optimum/design_problem.hpp"
+
+namespace trebsweep {
+
+/// How an optimum depends on a numeric key of the scene.
+struct Sensitivity {
+  double value;       ///< of the key
+  double at_design;   ///< d objective / d key, the lengths as they are
+  double of_optimum;  ///< d optimum / d key, the lengths optimal again
+};
+
+/// The numeric keys of the scene whose derivatives exist: those in use, except lengths and
+/// stiffnesses that are 0 because the scene lacks their effect. In the order of job_keys().
+std::vector<std::string> numeric_scene_keys(const Job& job);
+
+/// The sensitivity to a key at an optimum. `derivatives` are those of the optimum with respect to
+/// limits(problem). A key that is 0 and cannot be negative has a one-sided derivative. (The
+/// derivative of the optimum follows from the envelope theorem.)
+Sensitivity sensitivity(const Job& job, const DesignProblem& problem, const std::string& key,
+                        const Design<double>& design, const Eigen::VectorXd& derivatives);
+
+}  // namespace trebsweep

@@ -1,0 +1,163 @@
+#include "trebsweep/optimum/design_problem.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "trebsweep/optimum/field_values.hpp"
+
+namespace trebsweep {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// An order of magnitude: |value|, or 1 if that is 0 or NaN.
+double magnitude(double value) { return std::abs(value) > 0 ? std::abs(value) : 1; }
+
+}  // namespace
+
+bool has_sum(const DesignProblem& problem) {
+  return problem.space.longest_sum &&
+         std::ranges::any_of(problem.variables, [](std::size_t d) { return d > 0; });
+}
+
+std::vector<Constraint> constraints_of(const Job& job) {
+  std::vector<Constraint> constraints = job.optimum.constraints;
+  if (job.output.optimum_filter == OptimumFilter::taut) {
+    // The tension of an elastic sling is never negative; it is slack where there is none.
+    const bool elastic = job.scene.sling_stiffness > 0;
+    constraints.push_back({.field = Field::least_sling_tension,
+                           .is_upper = false,
+                           .limit = elastic ? std::numeric_limits<double>::min() : 0});
+  }
+  return constraints;
+}
+
+DesignProblem design_problem(const Job& job, const Design<double>& typical) {
+  DesignProblem problem{.scene = job.scene,
+                        .solver = job.solver,
+                        .space = design_space(job.scene, job.lattice),
+                        .fields = {job.optimum.objective},
+                        .constraints = constraints_of(job),
+                        .scales = {},
+                        .variables = {}};
+  for (const Constraint& c : problem.constraints) problem.fields.push_back(c.field);
+  const MatrixXd values = field_values(job.scene, job.solver, 0, {&typical, 1}, problem.fields);
+  problem.scales.push_back(magnitude(values(0)));
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
+    const double limit = problem.constraints[i].limit;
+    const bool is_zero = std::abs(limit) <= std::numeric_limits<double>::min();
+    problem.scales.push_back(magnitude(is_zero ? values(static_cast<Index>(i) + 1) : limit));
+  }
+  for (std::size_t d = 0; d < 3; ++d)
+    if (problem.space.lower[d] < problem.space.upper[d]) problem.variables.push_back(d);
+  return problem;
+}
+
+double length_scale(const DesignProblem& problem, std::size_t length) {
+  return (problem.space.lower[length] + problem.space.upper[length]) / 2;
+}
+
+VectorXd to_variables(const DesignProblem& problem, const Design<double>& design) {
+  VectorXd x(static_cast<Index>(problem.variables.size()));
+  for (Index i = 0; i < x.size(); ++i) {
+    const std::size_t d = problem.variables[static_cast<std::size_t>(i)];
+    x(i) = lengths(design)[d] / length_scale(problem, d);
+  }
+  return x;
+}
+
+Design<double> to_design(const DesignProblem& problem, const VectorXd& variables) {
+  std::array<double, 3> r = problem.space.lower;
+  for (Index i = 0; i < variables.size(); ++i) {
+    const std::size_t d = problem.variables[static_cast<std::size_t>(i)];
+    r[d] = variables(i) * length_scale(problem, d);
+  }
+  return {r[0], r[1], r[2]};
+}
+
+MatrixXd values_at(const DesignProblem& problem, std::span<const Design<double>> designs) {
+  MatrixXd values = field_values(problem.scene, problem.solver, 0, designs, problem.fields);
+  values.row(0) /= problem.scales[0];
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
+    const Constraint& constraint = problem.constraints[i];
+    auto row = values.row(static_cast<Index>(i) + 1);
+    row = row.unaryExpr([&](double v) { return violation(constraint, v) / problem.scales[i + 1]; });
+  }
+  return values;
+}
+
+NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Deviation>& deviations,
+                            Aggregate aggregate, std::uint64_t& integrated) {
+  const auto objectives =
+      aggregate == Aggregate::mean
+          ? 1
+          : std::ranges::count_if(deviations, [](const Deviation& d) { return d.weight > 0; });
+  const auto constrained = std::ranges::count_if(deviations, &Deviation::constrained);
+  const auto fields = static_cast<Index>(problem.constraints.size());
+  const Index constraints = fields * constrained + (has_sum(problem) ? 1 : 0);
+  const auto functions = [=, &integrated](const MatrixXd& points) {
+    std::vector<Design<double>> designs;
+    for (Index p = 0; p < points.cols(); ++p) {
+      const auto [r1, r3, r2] = to_design(problem, points.col(p));
+      for (const auto& [d, weight, is_constrained] : deviations)
+        designs.push_back({r1 + d[0], r3 + d[1], r2 + d[2]});
+    }
+    integrated += designs.size();
+    const MatrixXd values = values_at(problem, designs);
+    MatrixXd result = MatrixXd::Zero(objectives + constraints, points.cols());
+    for (Index p = 0, column = 0; p < points.cols(); ++p) {
+      Index objective = 0, row = objectives;
+      for (const Deviation& d : deviations) {
+        if (aggregate == Aggregate::mean)
+          result(0, p) += d.weight > 0 ? d.weight * values(0, column) : 0;
+        else if (d.weight > 0)
+          result(objective++, p) = values(0, column);
+        if (d.constrained) {
+          result.col(p).segment(row, fields) = values.col(column).tail(fields);
+          row += fields;
+        }
+        ++column;
+      }
+      if (has_sum(problem)) {
+        const auto [r1, r3, r2] = to_design(problem, points.col(p));
+        result(row, p) = (r2 + r3) / *problem.space.longest_sum - 1;
+      }
+    }
+    return result;
+  };
+  const auto bound = [&](const std::array<double, 3>& r) {
+    return to_variables(problem, {r[0], r[1], r[2]});
+  };
+  return {functions, objectives, constraints, bound(problem.space.lower),
+          bound(problem.space.upper)};
+}
+
+NonlinearProgram nominal_program(const DesignProblem& problem, std::uint64_t& integrated) {
+  return program_of(problem, {{{}, 1, true}}, Aggregate::worst, integrated);
+}
+
+std::vector<Limit> limits(const DesignProblem& problem) {
+  std::vector<Limit> all;
+  const double objective = problem.scales[0];
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
+    const Constraint& c = problem.constraints[i];
+    all.push_back({to_text(c), std::string(info(c.field).units),
+                   (c.is_upper ? 1 : -1) * objective / problem.scales[i + 1]});
+  }
+  if (has_sum(problem))
+    all.push_back({fmt::format("r2 + r3 <= {}", *problem.space.longest_sum), "m",
+                   objective / *problem.space.longest_sum});
+  for (const bool upper : {false, true})
+    for (const std::size_t d : problem.variables)
+      all.push_back({fmt::format("{} {} {}", length_names[d], upper ? "<=" : ">=",
+                                 (upper ? problem.space.upper : problem.space.lower)[d]),
+                     "m", (upper ? 1 : -1) * objective / length_scale(problem, d)});
+  return all;
+}
+
+}  // namespace trebsweep

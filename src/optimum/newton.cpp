@@ -1,0 +1,132 @@
+#include "trebsweep/optimum/newton.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "trebsweep/optimum/derivatives.hpp"
+
+namespace trebsweep {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Inequalities c(y) <= 0 with y = (x, t), of which t is to be maximized: t <= f(x) for each
+/// objective f, the constraints, and the bounds.
+struct Inequalities {
+  VectorXd values;
+  MatrixXd gradients;              // a row per inequality
+  std::vector<MatrixXd> hessians;  // with respect to x; of the objectives and constraints
+};
+
+Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x) {
+  const Index n = program.variables(), functions = program.objectives + program.constraints;
+  const Expansion e = expand(program.functions, x, accurate_steps, true);
+  Inequalities c{VectorXd(functions + 2 * n), MatrixXd::Zero(functions + 2 * n, n + 1), e.hessians};
+  const double t = e.values.head(program.objectives).minCoeff();
+  c.values << t - e.values.head(program.objectives).array(), e.values.tail(program.constraints),
+      program.lower - x, x - program.upper;
+  c.gradients.topLeftCorner(functions, n) = e.gradients;
+  for (Index f = 0; f < program.objectives; ++f) {
+    c.gradients.row(f).head(n) *= -1;
+    c.gradients(f, n) = 1;
+    c.hessians[static_cast<std::size_t>(f)] *= -1;
+  }
+  c.gradients.block(functions, 0, n, n) = -MatrixXd::Identity(n, n);
+  c.gradients.block(functions + n, 0, n, n) = MatrixXd::Identity(n, n);
+  return c;
+}
+
+/// A step of y, and the multipliers of all inequalities.
+struct Step {
+  VectorXd d, multipliers;
+};
+
+/// The step to the stationary point of the Lagrangian's quadratic model on the linearized active
+/// set; `multipliers` are those of the last step.
+Step equality_step(const Inequalities& c, const VectorXd& multipliers,
+                   const std::vector<Index>& active) {
+  const Index n = c.gradients.cols(), m = static_cast<Index>(active.size());
+  MatrixXd kkt = MatrixXd::Zero(n + m, n + m);
+  VectorXd right = VectorXd::Zero(n + m);
+  for (std::size_t f = 0; f < c.hessians.size(); ++f)
+    kkt.topLeftCorner(n - 1, n - 1) -= multipliers(static_cast<Index>(f)) * c.hessians[f];
+  for (Index k = 0; k < m; ++k) {
+    const Index i = active[static_cast<std::size_t>(k)];
+    kkt.row(n + k).head(n) = c.gradients.row(i);
+    kkt.col(n + k).head(n) = -c.gradients.row(i).transpose();
+    right(n + k) = -c.values(i);
+  }
+  right(n - 1) = -1;  // the gradient of t
+  const VectorXd solution = kkt.completeOrthogonalDecomposition().solve(right);
+  Step step{solution.head(n), VectorXd::Zero(c.values.size())};
+  for (Index k = 0; k < m; ++k)
+    step.multipliers(active[static_cast<std::size_t>(k)]) = solution(n + k);
+  return step;
+}
+
+/// The same, with the active set found: inequalities with a negative multiplier leave it, and those
+/// that the step would violate join it.
+Step step_with_active_set(const Inequalities& c, const VectorXd& multipliers,
+                          std::vector<Index>& active) {
+  Step step;
+  for (Index changes = 0; changes < 4 * c.values.size(); ++changes) {
+    step = equality_step(c, multipliers, active);
+    Index worst = 0;
+    if (step.multipliers.minCoeff(&worst) < -1e-9) {
+      std::erase(active, worst);
+      continue;
+    }
+    VectorXd after = c.values + c.gradients * step.d;
+    for (const Index i : active) after(i) = 0;
+    if (after.maxCoeff(&worst) <= feasibility_tolerance) break;
+    active.push_back(worst);
+  }
+  return step;
+}
+
+}  // namespace
+
+KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
+  const Index n = program.variables(), objectives = program.objectives;
+  constexpr double near = 1e-3;  // a change of x within which an inequality may be active
+  KktPoint solution{start, VectorXd::Zero(program.constraints + 2 * n), false};
+  double reach = 0.05;  // the longest step allowed
+  std::vector<Index> active;
+  VectorXd multipliers;
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    const Inequalities c = inequalities(program, solution.point.x);
+    if (!c.gradients.allFinite() || !c.values.allFinite()) return solution;
+    for (const MatrixXd& hessian : c.hessians)
+      if (!hessian.allFinite()) return solution;
+    if (iteration == 0) {
+      for (Index i = 0; i < c.values.size(); ++i)
+        if (c.values(i) >= (i < objectives ? 0 : -near * c.gradients.row(i).norm()))
+          active.push_back(i);
+      multipliers = VectorXd::Zero(c.values.size());
+      multipliers(active.front()) = 1;
+    }
+    const Step step = step_with_active_set(c, multipliers, active);
+    multipliers = step.multipliers;
+    const VectorXd d = step.d.head(n);
+    const double length = d.norm();
+    if (!(length < 1)) return solution;
+    VectorXd x = solution.point.x + d * std::min(1.0, reach / length);
+    x = x.cwiseMax(program.lower).cwiseMin(program.upper);
+    const Point point = point_of(program, x, program.functions(x).col(0));
+    if (std::isinf(point.violation)) {
+      reach = length / 4;
+      continue;
+    }
+    solution.point = point;
+    solution.multipliers = multipliers.tail(solution.multipliers.size());
+    solution.converged = length < 1e-8;
+    if (length < 1e-11) break;
+  }
+  return solution;
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,217 @@
+#include "trebsweep/optimum/optimum.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "trebsweep/base/mpi.hpp"
+#include "trebsweep/optimum/allowance.hpp"
+#include "trebsweep/optimum/coarse_sweep.hpp"
+#include "trebsweep/optimum/derivatives.hpp"
+#include "trebsweep/optimum/field_values.hpp"
+#include "trebsweep/optimum/local_search.hpp"
+#include "trebsweep/swing/reference.hpp"
+
+namespace trebsweep {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::size_t max_starts = 16;
+
+/// The end of a search, with up to three variables.
+struct Found {
+  std::array<double, 3> x;
+  double objective, violation;
+  std::uint64_t integrated;
+};
+
+/// The ends of searches from designs, each by one of the ranks. Collective.
+template <class Search>
+std::vector<Found> search_from(const std::vector<Design<double>>& starts, MPI_Comm comm,
+                               Search search) {
+  return mpi::share(starts.size(), comm, [&](std::size_t i) {
+    Found found{};
+    const Point point = search(starts[i], found.integrated).point;
+    std::ranges::copy(point.x, found.x.begin());
+    found.objective = point.objective;
+    found.violation = point.violation;
+    return found;
+  });
+}
+
+/// The distinct feasible points, best first, each with the number of searches that ended there.
+std::vector<LocalMaximum> distinct(const std::vector<Found>& found, const DesignProblem& problem) {
+  constexpr double same = 1e-4;  // m
+  std::vector<LocalMaximum> all;
+  for (const Found& f : found) {
+    const auto n = static_cast<Index>(problem.variables.size());
+    const Point point{Eigen::Map<const VectorXd>(f.x.data(), n), f.objective, f.violation};
+    if (is_feasible(point))
+      all.push_back({to_design(problem, point.x), f.objective * problem.scales.front(), 1});
+  }
+  std::ranges::stable_sort(all, std::greater{}, &LocalMaximum::value);
+  std::vector<LocalMaximum> maxima;
+  for (const LocalMaximum& m : all) {
+    const auto is_same = [&](const LocalMaximum& known) {
+      const auto [a, b] = std::pair(known.design, m.design);
+      return std::hypot(a.r1 - b.r1, a.r3 - b.r3, a.r2 - b.r2) < same;
+    };
+    const auto known = std::ranges::find_if(maxima, is_same);
+    if (known != maxima.end())
+      ++known->starts;
+    else
+      maxima.push_back(m);
+  }
+  return maxima;
+}
+
+/// The constraints that a design violates, for a message.
+std::string violations_text(const DesignProblem& problem, const Design<double>& design) {
+  const VectorXd values = values_at(problem, {&design, 1});
+  std::vector<std::string> violated;
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i)
+    if (values(static_cast<Index>(i) + 1) > 0) violated.push_back(to_text(problem.constraints[i]));
+  return fmt::format("{} violates {}", to_text(design), fmt::join(violated, " and "));
+}
+
+/// Gradient and Hessian of the objective with respect to all three lengths.
+void add_derivatives(const DesignProblem& problem, OptimumResult& result) {
+  const std::array<double, 3> r = lengths(result.design);
+  const auto functions = [&](const MatrixXd& points) {
+    std::vector<Design<double>> designs;
+    for (const auto& x : points.colwise())
+      designs.push_back({x(0) * r[0], x(1) * r[1], x(2) * r[2]});
+    result.designs += designs.size();
+    return MatrixXd(values_at(problem, designs).row(0) * problem.scales.front());
+  };
+  const Expansion expansion = expand(functions, VectorXd::Ones(3), accurate_steps, true);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto row = static_cast<Index>(i);
+    result.gradient[i] = expansion.gradients(0, row) / r[i];
+    for (std::size_t j = 0; j < 3; ++j)
+      result.hessian[i][j] = expansion.hessians.front()(row, static_cast<Index>(j)) / r[i] / r[j];
+  }
+}
+
+/// The value of the objective at the optimum, its error and the release time.
+void add_value(const DesignProblem& problem, OptimumResult& result) {
+  const std::array fields{result.objective, Field::release_time};
+  const MatrixXd values =
+      field_values(problem.scene, problem.solver, 0, {&result.design, 1}, fields);
+  const Reference exact = reference(problem.scene, result.design, problem.solver);  // TODO
+  result.value = values(0);
+  result.release_time = values(1);
+  result.error = std::abs(result.value - exact.speed) + exact.speed_bound;
+}
+
+/// The derivatives of the optimum with respect to all limits; the active ones are added.
+VectorXd add_active_limits(const DesignProblem& problem, const KktPoint& optimum,
+                           OptimumResult& result) {
+  const std::vector<Limit> all = limits(problem);
+  VectorXd derivatives = optimum.multipliers;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    double& derivative = derivatives(static_cast<Index>(i));
+    derivative *= all[i].factor;
+    if (derivative != 0) result.active.push_back({all[i].text, all[i].units, derivative});
+  }
+  return derivatives;
+}
+
+/// The sensitivities to all numeric keys of the scene, shared among the ranks. Collective.
+std::vector<std::pair<std::string, Sensitivity>> all_sensitivities(const Job& job,
+                                                                   const DesignProblem& problem,
+                                                                   const Design<double>& design,
+                                                                   const VectorXd& derivatives,
+                                                                   MPI_Comm comm) {
+  const std::vector<std::string> keys = numeric_scene_keys(job);
+  const auto derived = mpi::share(keys.size(), comm, [&](std::size_t i) {
+    return sensitivity(job, problem, keys[i], design, derivatives);
+  });
+  std::vector<std::pair<std::string, Sensitivity>> all;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    all.emplace_back(keys[i].substr(keys[i].find('.') + 1), derived[i]);
+  return all;
+}
+
+}  // namespace
+
+std::optional<OptimumResult> find_optimum(const Job& job, bool own_lattice, MPI_Comm comm) {
+  const double start_time = MPI_Wtime();
+  design_space(job.scene, job.lattice);  // throws if it is empty
+  const CoarseSweep coarse =
+      coarse_sweep(job, own_lattice ? job.lattice : coarse_lattice(job.scene, job.lattice), comm);
+  if (coarse.maxima.empty())
+    throw NoOptimum(
+        fmt::format("nothing is released: none of {} designs with a spacing of {} m has a release",
+                    coarse.designs, coarse.increment));
+  OptimumResult result{};
+  result.objective = job.optimum.objective;
+  result.coarse_increment = coarse.increment;
+  result.designs = coarse.designs;
+  const DesignProblem problem = design_problem(job, coarse.maxima.front());
+
+  std::vector<Design<double>> starts = coarse.maxima;
+  starts.resize(std::min(starts.size(), max_starts));
+  const auto search_nominal = [&](const Design<double>& start, std::uint64_t& integrated) {
+    return search(nominal_program(problem, integrated), to_variables(problem, start));
+  };
+  const auto search_robust = [&](const Design<double>& start, std::uint64_t& integrated) {
+    return robust_search(problem, start, job.optimum.robust, job.optimum.deviation, integrated);
+  };
+  const auto find_maxima = [&](auto search_one) {
+    const std::vector<Found> found = search_from(starts, comm, search_one);
+    for (const Found& f : found) result.designs += f.integrated;
+    result.starts = starts.size();
+    result.maxima = distinct(found, problem);
+  };
+  find_maxima(search_nominal);
+  if (result.maxima.empty())
+    throw NoOptimum(fmt::format("the constraints exclude every design: {}",
+                                violations_text(problem, coarse.maxima.front())));
+  const bool robust = job.optimum.robust != Robust::no;
+  if (robust) {
+    starts.clear();
+    for (const LocalMaximum& m : result.maxima) starts.push_back(m.design);
+    find_maxima(search_robust);
+    if (result.maxima.empty())
+      throw NoOptimum(fmt::format(
+          "no design was found that has a release and satisfies the constraints with all lengths "
+          "off by up to optimum.deviation = {} m",
+          job.optimum.deviation));
+  }
+
+  result.design = result.maxima.front().design;
+  const KktPoint optimum = robust ? search_robust(result.design, result.designs)
+                                  : search_nominal(result.design, result.designs);
+  const VectorXd derivatives = add_active_limits(problem, optimum, result);
+  result.sensitivities = all_sensitivities(job, problem, result.design, derivatives, comm);
+  if (mpi::rank(comm) != 0) return std::nullopt;
+  add_value(problem, result);
+  add_derivatives(problem, result);
+  result.allowances = allowances(problem, result.design, result.designs);
+  if (job.optimum.deviation > 0)
+    result.robustness = robustness(problem, result.design, job.optimum.deviation, result.designs);
+  result.seconds = MPI_Wtime() - start_time;
+  return result;
+}
+
+std::optional<RefinedOptimum> refine(const Job& job, const Design<double>& start) {
+  std::uint64_t integrated = 0;
+  const DesignProblem problem = design_problem(job, start);
+  const Point point =
+      search(nominal_program(problem, integrated), to_variables(problem, start)).point;
+  if (!is_feasible(point)) return std::nullopt;
+  const Design<double> design = to_design(problem, point.x);
+  const std::array fields{job.optimum.objective, Field::speed, Field::release_time};
+  const MatrixXd values = field_values(job.scene, job.solver, 0, {&design, 1}, fields);
+  return RefinedOptimum{design, values(0), values(1), values(2)};
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,136 @@
+#include "trebsweep/optimum/report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "trebsweep/base/number.hpp"
+
+namespace trebsweep {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string unit_of(const OptimumResult& result) { return unit_text(info(result.objective).units); }
+
+/// A unit after a number: " m/s", or nothing for a number without a unit.
+std::string after_number(const std::string& unit) { return unit.empty() ? "" : " " + unit; }
+
+/// The unit of a derivative: " m/s per m".
+std::string per(const std::string& unit, const std::string& by) {
+  return after_number(unit) + (by.empty() ? "" : " per " + by);
+}
+
+std::string allowance_text(const Allowance& allowance) {
+  const auto side = [](double length, const char* direction) {
+    return std::isinf(length) ? fmt::format("any length {}", direction)
+                              : fmt::format("{:.4f} m {}", length, direction);
+  };
+  return fmt::format("{} or {}", side(allowance.shorter, "shorter"),
+                     side(allowance.longer, "longer"));
+}
+
+/// What each limit is worth.
+std::string limits_text(const OptimumResult& result) {
+  if (result.active.empty()) return "limits     none is reached\n";
+  std::string text;
+  for (const auto& [constraint, units, multiplier] : result.active)
+    text += fmt::format("{:10} {}: {:+.6g}{}\n", text.empty() ? "limits" : "", constraint,
+                        multiplier, per(unit_of(result), unit_text(units)));
+  return text;
+}
+
+/// How precisely to build.
+std::string precision_text(const OptimumResult& result) {
+  std::string text;
+  for (const std::size_t d : {0u, 2u, 1u})  // r1, r2, r3
+    text +=
+        fmt::format("{:10} {}: {}; gradient {:+.4g}, curvature {:+.4g}\n",
+                    text.empty() ? "1 % lost" : "", length_names[d],
+                    allowance_text(result.allowances[d]), result.gradient[d], result.hessian[d][d]);
+  return text;
+}
+
+std::string sensitivities_text(const OptimumResult& result) {
+  std::string text = fmt::format("{:24}{:>12}{:>20}{:>20}\n", "change of the value by", "value",
+                                 "lengths kept", "lengths optimal");
+  for (const auto& [key, sensitivity] : result.sensitivities) {
+    const auto& [value, at_design, of_optimum] = sensitivity;
+    const double change = value == 0 ? 1 : 0.01 * value;
+    text += fmt::format("{:24}{:>12.6g}{:>+20.6g}{:>+20.6g}\n",
+                        fmt::format("{} {}", value == 0 ? "+1" : "+1 %", key), value,
+                        change * at_design, change * of_optimum);
+  }
+  return text;
+}
+
+std::string maxima_text(const OptimumResult& result) {
+  const auto& maxima = result.maxima;
+  std::string text =
+      fmt::format("maxima     {} found from {} start{}; {} led to the optimum\n", maxima.size(),
+                  result.starts, result.starts == 1 ? "" : "s", maxima.front().starts);
+  if (maxima.size() > 1)
+    text += fmt::format("           the next best is {:.9g}{} at {}\n", maxima[1].value,
+                        after_number(unit_of(result)), to_text(maxima[1].design));
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const OptimumResult& result, const Job& job) {
+  const std::string unit = after_number(unit_of(result));
+  const Solver solver = solver_of("vern8", 1e-13, job.solver);
+  std::string text = fmt::format("optimum    {} {:.10g}{}, error {:.1g}\n",
+                                 info(result.objective).name, result.value, unit, result.error);
+  text += fmt::format("design     {}, released at {:.8g} s\n", to_text(result.design),
+                      result.release_time);
+  text += limits_text(result) + precision_text(result);
+  if (result.robustness)
+    text += fmt::format("deviation  lengths off by up to {} m: worst {:.9g}, expected {:.9g}{}\n",
+                        job.optimum.deviation, result.robustness->worst,
+                        result.robustness->expected, unit);
+  text += maxima_text(result);
+  text += fmt::format("designs    {}, those of the coarse sweep with a spacing of {} m\n",
+                      result.designs, result.coarse_increment);
+  text += fmt::format("seconds    {:.2f}\n\n", result.seconds);
+  return text + sensitivities_text(result);
+}
+
+std::string to_json(const OptimumResult& result) {
+  Json json{{"objective", info(result.objective).name},
+            {"value", result.value},
+            {"error", result.error},
+            {"r1", result.design.r1},
+            {"r3", result.design.r3},
+            {"r2", result.design.r2},
+            {"release_time", result.release_time},
+            {"active", Json::array()},
+            {"gradient", result.gradient},
+            {"hessian", result.hessian},
+            {"one_percent_loss", Json::array()},
+            {"sensitivity", Json::object()},
+            {"sensitivity_of_optimum", Json::object()},
+            {"worst", result.robustness ? Json(result.robustness->worst) : Json()},
+            {"expected", result.robustness ? Json(result.robustness->expected) : Json()},
+            {"maxima", Json::array()},
+            {"starts", result.starts},
+            {"starts_at_best", result.maxima.front().starts},
+            {"coarse_increment", result.coarse_increment},
+            {"designs", result.designs},
+            {"seconds", result.seconds}};
+  for (const ActiveLimit& limit : result.active)
+    json["active"].push_back({{"constraint", limit.constraint}, {"multiplier", limit.multiplier}});
+  for (const Allowance& allowance : result.allowances)
+    json["one_percent_loss"].push_back({allowance.shorter, allowance.longer});
+  for (const auto& [key, sensitivity] : result.sensitivities) {
+    json["sensitivity"][key] = sensitivity.at_design;
+    json["sensitivity_of_optimum"][key] = sensitivity.of_optimum;
+  }
+  for (const LocalMaximum& m : result.maxima)
+    json["maxima"].push_back(
+        {{"r1", m.design.r1}, {"r3", m.design.r3}, {"r2", m.design.r2}, {"value", m.value}});
+  return json.dump(2);
+}
+
+}  // namespace trebsweep

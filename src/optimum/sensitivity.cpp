@@ -1,0 +1,108 @@
+#include "trebsweep/optimum/sensitivity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "trebsweep/base/number.hpp"
+#include "trebsweep/job/key.hpp"
+#include "trebsweep/job/rules.hpp"
+#include "trebsweep/optimum/derivatives.hpp"
+#include "trebsweep/optimum/field_values.hpp"
+
+namespace trebsweep {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Zero as a value of these means that the scene lacks the effect. Their effect is not continuous
+/// there.
+constexpr std::array<std::string_view, 3> absent_if_zero{
+    "scene.sling-stiffness", "scene.counterweight-hanger", "scene.projectile-diameter"};
+
+constexpr int levels = 6;
+
+std::optional<double> number_of(const Job& job, const Key& key) {
+  double value = 0;
+  return parse_number(key.get(job), value) ? std::optional(value) : std::nullopt;
+}
+
+/// The objective and the constrained fields at a design, and the limits, with another value of a
+/// key; NaN if the key does not allow it. Limits of fields do not depend on the scene.
+VectorXd values_with(const Job& job, const Key& key, double value, const DesignProblem& problem,
+                     const Design<double>& design) {
+  const auto fields = static_cast<Index>(problem.fields.size());
+  const auto bounds = static_cast<Index>(limits(problem).size()) - (fields - 1);
+  VectorXd all = VectorXd::Constant(fields + bounds, std::nan(""));
+  Job varied = job;
+  DesignSpace space;
+  try {
+    key.set(varied, fmt::format("{}", value));
+    space = design_space(varied.scene, varied.lattice);
+  } catch (const std::runtime_error&) {  // an InputError or NoOptimum
+    return all;
+  }
+  all.head(fields) = field_values(varied.scene, varied.solver, 0, {&design, 1}, problem.fields);
+  Index i = fields;
+  if (has_sum(problem)) all(i++) = *space.longest_sum;
+  for (const auto* bound : {&space.lower, &space.upper})
+    for (const std::size_t d : problem.variables) all(i++) = (*bound)[d];
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::string> numeric_scene_keys(const Job& job) {
+  const auto unused = unused_keys(job);
+  std::vector<std::string> names;
+  for (const Key& key : job_keys()) {
+    const auto value = number_of(job, key);
+    if (key.section() != "scene" || !value || unused.contains(key.name)) continue;
+    if (*value == 0 && std::ranges::count(absent_if_zero, key.name) > 0) continue;
+    if (key.name == "scene.sling-damping" && job.scene.sling_stiffness == 0) continue;
+    names.push_back(key.name);
+  }
+  return names;
+}
+
+Sensitivity sensitivity(const Job& job, const DesignProblem& problem, const std::string& name,
+                        const Design<double>& design, const VectorXd& derivatives) {
+  const auto& key = *std::ranges::find(job_keys(), name, &Key::name);
+  const double value = number_of(job, key).value();
+  const auto at = [&](double v) { return values_with(job, key, v, problem, design); };
+  const VectorXd here = at(value);
+
+  double step = accurate_steps.largest * std::abs(value);
+  if (value == 0)  // so that the objective changes by a thousandth
+    for (step = 1e-6; step < 1e9; step *= 4)
+      if (!(std::abs(at(step)(0) - here(0)) < 1e-3 * std::abs(here(0)))) break;
+  const bool one_sided = value == 0 && std::isnan(at(-step)(0));
+
+  std::array<VectorXd, levels> quotients;
+  for (int k = 0; k < levels; ++k) {
+    const double h = std::ldexp(step, -k);
+    quotients[static_cast<std::size_t>(k)] =
+        one_sided ? VectorXd((at(h) - here) / h)
+                  : VectorXd((at(value + h) - at(value - h)) / (2 * h));
+  }
+  const auto derivative = [&](Index row) {
+    std::array<double, levels> q;
+    std::ranges::transform(quotients, q.begin(), [&](const VectorXd& v) { return v(row); });
+    return extrapolate(q, one_sided ? 1 : 2).value;
+  };
+
+  // derivatives(i) is that of the optimum when limit i grows. A field that grows by as much leaves
+  // that much less to its limit.
+  const auto fields = static_cast<Index>(problem.fields.size());
+  double of_optimum = derivative(0);
+  for (Index i = 0; i < derivatives.size(); ++i)
+    if (derivatives(i) != 0)
+      of_optimum += (i + 1 < fields ? -1 : 1) * derivatives(i) * derivative(i + 1);
+  return {value, derivative(0), of_optimum};
+}
+
+}  // namespace trebsweep
