@@ -40,9 +40,11 @@ Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x) {
   return c;
 }
 
-/// A step of y, and the multipliers of all inequalities.
+/// A step of y, the multipliers of all inequalities, and the residual of the equations solved,
+/// which have no solution where the model is unbounded.
 struct Step {
   VectorXd d, multipliers;
+  double residual;
 };
 
 /// The step to the stationary point of the Lagrangian's quadratic model on the linearized active
@@ -62,7 +64,7 @@ Step equality_step(const Inequalities& c, const VectorXd& multipliers,
   }
   right(n - 1) = -1;  // the gradient of t
   const VectorXd solution = kkt.completeOrthogonalDecomposition().solve(right);
-  Step step{solution.head(n), VectorXd::Zero(c.values.size())};
+  Step step{solution.head(n), VectorXd::Zero(c.values.size()), (kkt * solution - right).norm()};
   for (Index k = 0; k < m; ++k)
     step.multipliers(active[static_cast<std::size_t>(k)]) = solution(n + k);
   return step;
@@ -123,7 +125,7 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
     }
     solution.point = point;
     solution.multipliers = multipliers.tail(solution.multipliers.size());
-    solution.converged = length < 1e-8;
+    solution.converged = length < 1e-8 && step.residual < 1e-6;
     if (length < 1e-11) break;
   }
   return solution;

@@ -1,0 +1,111 @@
+#include "trebsweep/optimum/newton.hpp"
+
+#include "optimum/programs.hpp"
+#include "support/catch.hpp"
+
+using namespace trebsweep;
+using Eigen::VectorXd;
+
+namespace {
+
+Point at(const NonlinearProgram& program, const VectorXd& x) {
+  return point_of(program, x, program.functions(x).col(0));
+}
+
+/// solve_kkt() from a point next to the solution, inside the bounds.
+KktPoint solve_near(const SolvedProgram& solved) {
+  VectorXd x = solved.solution;
+  for (Eigen::Index i = 0; i < x.size(); ++i) x(i) += i % 2 == 0 ? 3e-4 : -2e-4;
+  const NonlinearProgram& program = solved.program;
+  return solve_kkt(program, at(program, x.cwiseMax(program.lower).cwiseMin(program.upper)));
+}
+
+}  // namespace
+
+TEST_CASE("Solutions and multipliers are those of Hock and Schittkowski, to rounding errors") {
+  for (const SolvedProgram& solved : hock_schittkowski()) {
+    INFO(solved.name);
+    const KktPoint found = solve_near(solved);
+    CHECK(found.converged);
+    CHECK(is_feasible(found.point));
+    CHECK((found.point.x - solved.solution).cwiseAbs().maxCoeff() < 1e-10);
+    CHECK(std::abs(found.point.objective - solved.objective) < 1e-10);
+    CHECK((found.multipliers - solved.multipliers).cwiseAbs().maxCoeff() < 1e-8);
+  }
+}
+
+TEST_CASE("Multipliers of inactive inequalities are exactly zero") {
+  for (const SolvedProgram& solved : hock_schittkowski()) {
+    const KktPoint found = solve_near(solved);
+    for (Eigen::Index i = 0; i < found.multipliers.size(); ++i)
+      CHECK((found.multipliers(i) == 0) == (solved.multipliers(i) == 0));
+  }
+}
+
+TEST_CASE("The largest of the smallest of several functions is found where they meet") {
+  for (const SolvedProgram& solved : minimax()) {
+    INFO(solved.name);
+    const KktPoint found = solve_near(solved);
+    CHECK(found.converged);
+    CHECK((found.point.x - solved.solution).cwiseAbs().maxCoeff() < 1e-9);
+    CHECK(std::abs(found.point.objective - solved.objective) < 1e-9);
+  }
+}
+
+TEST_CASE("A constraint that is given twice has its multiplier shared") {
+  SolvedProgram solved = hock_schittkowski()[1];
+  const NonlinearProgram once = solved.program;
+  solved.program.functions = [once](const Eigen::MatrixXd& points) {
+    const Eigen::MatrixXd values = once.functions(points);
+    Eigen::MatrixXd twice(3, points.cols());
+    twice << values, values.row(1);
+    return twice;
+  };
+  solved.program.constraints = 2;
+  const KktPoint found = solve_near(solved);
+  CHECK(found.converged);
+  CHECK((found.point.x - solved.solution).cwiseAbs().maxCoeff() < 1e-9);
+  CHECK(found.multipliers.head(2).sum() == Approx(2 / 9.));
+}
+
+TEST_CASE("The optimum changes by its multipliers as constraints and bounds are relaxed") {
+  for (const SolvedProgram& solved : hock_schittkowski())
+    for (Eigen::Index i = 0; i < solved.multipliers.size(); ++i) {
+      if (solved.multipliers(i) == 0) continue;
+      const auto optimum = [&](double by) {
+        SolvedProgram relaxed = solved;
+        const Eigen::Index c = i - solved.program.constraints;
+        if (c >= 0)
+          relaxed.program.lower(c) -= by;  // upper bounds are not active
+        else
+          relaxed.program.functions = [f = solved.program.functions, i, by](const auto& points) {
+            Eigen::MatrixXd values = f(points);
+            values.row(i + 1).array() -= by;
+            return values;
+          };
+        return solve_near(relaxed).point.objective;
+      };
+      INFO(solved.name << ", " << i);
+      CHECK((optimum(1e-4) - optimum(-1e-4)) / 2e-4 == Approx(solved.multipliers(i)).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("Newton's method does not converge without values or without a feasible point") {
+  const auto no_value =
+      program_of([](const VectorXd&) { return std::vector{std::nan("")}; }, 1, 0, {0}, {1});
+  CHECK_FALSE(solve_kkt(no_value, {vector({0.5}), 0, HUGE_VAL}).converged);
+  const auto infeasible = program_of(
+      [](const VectorXd& x) {
+        return std::vector{x(0), x(0) - 0.3, 0.5 - x(0)};
+      },
+      1, 2, {0}, {1});
+  const KktPoint found = solve_kkt(infeasible, at(infeasible, vector({0.31})));
+  CHECK_FALSE((found.converged && is_feasible(found.point)));
+}
+
+TEST_CASE("Newton's method does not converge where the objective is not stationary") {
+  // Increases along x everywhere, which the singular system of a step does not show.
+  const auto program = program_of([](const VectorXd& x) { return std::vector{x(0) - x(1) * x(1)}; },
+                                  1, 0, {-1, -1}, {1, 1});
+  CHECK_FALSE(solve_kkt(program, at(program, vector({0.2, 0.1}))).converged);
+}
