@@ -139,7 +139,9 @@ Point best_around(const NonlinearProgram& program, const Point& centre, double s
 
 /// Descends to finer and finer lattices: for functions with a kink at the optimum.
 Point zoom(const NonlinearProgram& program, Point point) {
-  for (double spacing = 1e-2; spacing > 1e-10;) {
+  constexpr int max_steps = 60;
+  double spacing = 1e-2;
+  for (int step = 0; spacing > 1e-10 && step < max_steps; ++step) {
     const Point best = best_around(program, point, spacing, 2);
     if (is_better(best, point))
       point = best;
