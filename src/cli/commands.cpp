@@ -28,8 +28,8 @@ bool is_root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
 void print_summary(const Summary& summary, const Job& job) {
   const int ranks = mpi::size(MPI_COMM_WORLD);
   fmt::print("scene     {}\nsolver    {}\n{} on {} {}\narchive   {}\n", scene_text(job),
-             solver_text(job.solver), to_text(summary, job.output.optimum_filter), ranks,
-             ranks == 1 ? "rank" : "ranks", job.output.file);
+             solver_text(job.solver), to_text(summary, job), ranks, ranks == 1 ? "rank" : "ranks",
+             job.output.file);
   std::fflush(stdout);  // before the warnings on stderr; main checks stdout for errors
   for (const std::string& line : summary.warnings) fmt::print(stderr, "warning: {}\n", line);
 }
