@@ -44,6 +44,19 @@ std::optional<MeasuredError> read_error(hid_t file) {
                        .designs = static_cast<std::uint64_t>(read("error_designs"))};
 }
 
+/// The optimum between the designs of a complete sweep, or none if it was not searched for.
+std::optional<RefinedOptimum> read_refined(hid_t file) {
+  const auto read = [&](const char* name) { return hdf5::read_number_attribute(file, name); };
+  // Archives before format version 6 lack this attribute.
+  if (H5Aexists(file, "refined_error") <= 0 || std::isnan(read("refined_error")))
+    return std::nullopt;
+  return RefinedOptimum{{{read("best_r1"), read("best_r3"), read("best_r2")},
+                         read("best_value"),
+                         read("best_speed"),
+                         read("best_release_time")},
+                        read("refined_error")};
+}
+
 /// Throws if a map that the archive's job asks for is missing or has another extent.
 void check_maps(hid_t file, const ArchiveContents& contents) {
   const auto& [r1, r3, r2] = contents.axes;
@@ -83,6 +96,7 @@ ArchiveContents read(const std::filesystem::path& path) {
   contents.tiles_done = untrusted::count_done(done);
   contents.tallies = read_tallies(file, contents);
   contents.error = read_error(file);
+  contents.refined = read_refined(file);
   check_maps(file, contents);
   return contents;
 }

@@ -18,11 +18,18 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 bool must_be_taut(const Job& job) { return job.output.optimum_filter == OptimumFilter::taut; }
 
-std::string to_text(const Optimum& optimum, const Job& job) {
+/// Lengths of a lattice's design as they are, others to 0.1 micrometres.
+std::string to_text(const Design<double>& design, bool in_lattice) {
+  const char* const format =
+      in_lattice ? "r1 = {}, r2 = {}, r3 = {} m" : "r1 = {:.7f}, r2 = {:.7f}, r3 = {:.7f} m";
+  return fmt::format(fmt::runtime(format), design.r1, design.r2, design.r3);
+}
+
+std::string to_text(const Optimum& optimum, const Job& job, bool in_lattice) {
   const Field objective = job.optimum.objective;
   const auto& [design, value, speed, release_time] = optimum;
-  const std::string place = fmt::format("at r1 = {}, r2 = {}, r3 = {} m, released at {:.8g} s",
-                                        design.r1, design.r2, design.r3, release_time);
+  const std::string place =
+      fmt::format("at {}, released at {:.8g} s", to_text(design, in_lattice), release_time);
   const std::string unit = unit_text(info(objective).units);
   std::string text = objective == Field::speed
                          ? fmt::format("{:.8f} m/s {}", speed, place)
@@ -117,8 +124,11 @@ std::string to_text(const Summary& summary, const Job& job) {
   for (std::size_t s = 0; s < status_names.size(); ++s)
     if (summary.statuses[s] > 0)
       text += fmt::format("          {} {}\n", summary.statuses[s], status_names[s]);
-  text += fmt::format("optimum   {}\n", summary.optimum ? to_text(*summary.optimum, job)
+  text += fmt::format("optimum   {}\n", summary.optimum ? to_text(*summary.optimum, job, true)
                                                         : reason_for_no_optimum(summary, job));
+  if (const auto& refined = summary.refined)
+    text += fmt::format("refined   {}, error {:.1g}\n", to_text(refined->optimum, job, false),
+                        refined->error);
   text +=
       fmt::format("error     {}\n", summary.error ? to_text(*summary.error, job.optimum.objective)
                                                   : std::string("not measured"));

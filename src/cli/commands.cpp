@@ -61,8 +61,11 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
   const double deadline = MPI_Wtime() + line.time_limit;
   const auto stop = [&] { return signals.requested() || MPI_Wtime() >= deadline; };
   const Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
-  const SweepOptions options{
-      .overwrite = line.overwrite, .progress = line.progress, .command = command, .stop = stop};
+  const SweepOptions options{.overwrite = line.overwrite,
+                             .progress = line.progress,
+                             .command = command,
+                             .refine = refine,
+                             .stop = stop};
   const auto summary = sweep(job, options, MPI_COMM_WORLD);
   if (!summary) {
     if (is_root())

@@ -44,7 +44,8 @@ std::vector<MapInfo> map_infos(const Output& output) {
 
 Attributes result_attributes(const Summary& summary) {
   const Optimum none{{nan, nan, nan}, nan, nan, nan};
-  const Optimum optimum = summary.optimum.value_or(none);
+  const Optimum optimum =
+      summary.refined ? summary.refined->optimum : summary.optimum.value_or(none);
   const MeasuredError error = summary.error.value_or(MeasuredError{nan, nan, nan, 0});
   using Count = unsigned long long;
   return {{"best_value", optimum.value},
@@ -53,6 +54,7 @@ Attributes result_attributes(const Summary& summary) {
           {"best_r3", optimum.design.r3},
           {"best_r2", optimum.design.r2},
           {"best_release_time", optimum.release_time},
+          {"refined_error", summary.refined ? summary.refined->error : nan},
           {"error_median", error.median},
           {"error_largest", error.largest},
           {"error_at_optimum", error.at_optimum},

@@ -23,6 +23,12 @@ struct Optimum {
   double release_time;  ///< s
 };
 
+/// An optimum between the designs of a lattice, and the error of its value.
+struct RefinedOptimum {
+  Optimum optimum;
+  double error;  ///< in the unit of the value
+};
+
 /// The error of a sweep's speeds, measured on a sample of the lattice.
 struct MeasuredError {
   double median;          ///< m/s: of designs spread evenly over the lattice
@@ -37,6 +43,7 @@ struct Summary {
   std::uint64_t steps = 0;                                    ///< steps tried, over all designs
   std::uint64_t lane_steps = 0;                   ///< steps of all lanes, including idle ones
   std::optional<Optimum> optimum;                 ///< nothing if no design qualifies
+  std::optional<RefinedOptimum> refined;          ///< nothing if it was not searched for
   std::vector<Design<double>> first_of_statuses;  ///< the first design of each status that occurs
   std::optional<MeasuredError> error;             ///< nothing if it was not measured
   std::vector<std::string> warnings;              ///< reasons to doubt the result, a line for each
