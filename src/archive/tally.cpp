@@ -29,8 +29,8 @@ void Tally::add(const SwingResult& result, std::uint64_t cell, double value) {
   std::uint64_t& first = first_cells[static_cast<std::size_t>(result.status)];
   first = std::min(first, cell);
   steps += result.steps;
-  if (!has_speed(result.status) || !std::isfinite(value)) return;
-  if (value > best_value || (value == best_value && cell < best_cell)) {
+  const bool is_better = value > best_value || (value == best_value && cell < best_cell);
+  if (is_better && has_speed(result.status) && std::isfinite(value)) {
     best_value = value;
     best_speed = result.speed;
     best_time = result.release_time;
