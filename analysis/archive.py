@@ -141,20 +141,33 @@ class Archive:
         return np.where(blank, np.array(np.nan if self.is_number(field) else 0, values.dtype),
                         values)
 
-    def optimum(self):
-        """({axis: value in m}, m/s) of the fastest design in the tiles that are done, or None.
-
-        It comes from the tally of the tiles: the root attributes hold it only after the last tile.
-        """
+    def tallies(self):
+        """{column: values} of tile_tally in the tiles that are done."""
         with reading(self.path, "is damaged"):
             tally = self.file["tile_tally"]
-            columns = str(tally.attrs["columns"]).split()
-            rows = dict(zip(columns, tally[...][self.done].T))
-            speeds, cells = rows["best_speed"], rows["best_cell"]
-            if not (speeds >= 0).any():
+            return dict(zip(str(tally.attrs["columns"]).split(), tally[...][self.done].T))
+
+    @property
+    def objective(self):
+        """The name of the field that is largest at the optimum, and its unit."""
+        # Archives before format version 6 lack these attributes.
+        return (str(self.attributes.get("objective", "speed")),
+                unit_text(str(self.attributes.get("objective_units", "m s-1"))))
+
+    def optimum(self):
+        """({axis: value in m}, value of the objective) of the optimum so far, or None.
+
+        It comes from the tallies of the tiles: the root attributes hold it only after the last.
+        """
+        rows = self.tallies()
+        with reading(self.path, "is damaged"):
+            found = rows["best_cell"] >= 0
+            if not found.any():
                 return None
-            cell = int(cells[speeds == speeds.max()].min())  # the first of equals
-            return self.design(np.unravel_index(cell, self.shape)), float(speeds.max())
+            cells, values = (rows[name][found] for name in (
+                "best_cell", "best_value" if "best_value" in rows else "best_speed"))
+            cell = int(cells[values == values.max()].min())  # the first of equals
+            return self.design(np.unravel_index(cell, self.shape)), float(values.max())
 
     def design(self, index):
         """{axis: value in m} of the design with an index (i1, i3, i2)."""
@@ -187,9 +200,22 @@ class Archive:
         """The optimum as text."""
         optimum = self.optimum()
         if optimum is None:
-            return "nothing released" if self.complete else "nothing released yet"
-        design, speed = optimum
-        return f"{speed:.8f} m/s at {design_text(design)}"
+            rows = self.tallies()
+            with reading(self.path, "is damaged"):
+                released = sum(rows[name].sum() for name in ("released", "released_below_ground"))
+            text = "no released design qualifies" if released else "nothing released"
+            return text if self.complete else f"{text} yet"
+        design, value = optimum
+        name, unit = self.objective
+        amount = f"{value:.8f} m/s" if name == "speed" else f"{name} {value:.10g} {unit}".rstrip()
+        return f"{amount} at {design_text(design)}"
+
+    def best_word(self):
+        """What the optimum is among the designs, such as "fastest with a taut sling"."""
+        word = "fastest" if self.objective[0] == "speed" else "optimum"
+        if self.job.get(("output", "optimum")) == "taut":
+            word += " with a taut sling"
+        return word + (" within the constraints" if self.job.get(("optimum", "subject-to")) else "")
 
     def name(self):
         """The file's name without directory and suffix."""

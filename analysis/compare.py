@@ -3,7 +3,7 @@
 
 The numbers go to stdout: the optimum of each archive, the number of designs with a value in both,
 and the median, 95th percentile and maximum of the difference. The picture shows the planes through
-B's fastest design, marked by a star. Designs without a value in one of the archives are left blank.
+B's optimum, marked by a star. Designs without a value in one of the archives are left blank.
 
 To compare the paper's Euler sweep with an accurate one:
 
@@ -66,7 +66,7 @@ def picture(a, b, field):
     finite = finite_values(values)
     limit = np.abs(finite).max() if finite.size and finite.any() else 1
     title = f"difference \u201c{a.name()}\u201d \u2212 \u201c{b.name()}\u201d, " + (
-        f"\u2605 fastest of \u201c{b.name()}\u201d" if optimum else "middle of the lattice")
+        f"\u2605 {b.best_word()} of \u201c{b.name()}\u201d" if optimum else "middle of the lattice")
     title += "".join(f"\n\u201c{archive.name()}\u201d {archive.progress()}" for archive in (a, b)
                      if not archive.complete)
     return draw(a, values, centre, title, labelled(f"difference of the {a.long_name(field)}", unit),

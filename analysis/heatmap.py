@@ -3,9 +3,10 @@
 
 A sweep over three axes is drawn as the three planes through the best design in the quantity drawn,
 such as the fastest, or the one with the smallest peak load. A star marks this design, and the title
-names it. In maps of flags, angles, rates and errors the star marks the fastest design. --r1, --r3
-and --r2 choose other planes. A sweep over two axes is drawn as one plane, over one axis as a line.
-A single design is printed as a table, and no picture is written.
+names it. In the map of the objective, and in those of flags, angles, rates and errors, the star
+marks the sweep's optimum, by default the fastest design. --r1, --r3 and --r2 choose other planes. A
+sweep over two axes is drawn as one plane, over one axis as a line. A single design is printed as a
+table, and no picture is written.
 
 Cells outside the lattice are left blank, and so are designs that an unfinished sweep has not done.
 
@@ -20,8 +21,9 @@ from archive import AXES, Archive, design_text, stem
 from maps import draw, finite_values, flag_colours, middle, scaled, shows, slices, views
 from picture import OUTPUT_HELP, check_output, labelled, readable_unit, save
 
-# Fields whose best value is the largest or the smallest; in others the star marks the fastest.
-LARGEST = ("kinetic_energy", "efficiency", "range", "flight_time", "impact_speed", "apex",
+# Fields whose best value is the largest or the smallest; in others, and in the objective, the star
+# marks the sweep's optimum.
+LARGEST = ("speed", "kinetic_energy", "efficiency", "range", "flight_time", "impact_speed", "apex",
            "least_sling_tension")
 SMALLEST = ("release_time", "lift_off_time", "steps", "stiffness", "peak_sling_tension",
             "peak_axle_load", "peak_beam_stress", "peak_hanger_tension")
@@ -30,11 +32,10 @@ SMALLEST = ("release_time", "lift_off_time", "steps", "stiffness", "peak_sling_t
 def best(archive, field):
     """The best design of a map, {axis: m} or None, and its description."""
     so_far = "" if archive.complete else " so far"
-    if field not in LARGEST + SMALLEST:
-        taut = archive.job.get(("output", "optimum")) == "taut"
+    is_objective = field == archive.objective[0].replace("-", "_")
+    if is_objective or field not in LARGEST + SMALLEST:
         optimum = archive.optimum()
-        word = "fastest with a taut sling" if taut else "fastest"
-        return optimum and optimum[0], f"{word}{so_far}: {archive.best_text()}"
+        return optimum and optimum[0], f"{archive.best_word()}{so_far}: {archive.best_text()}"
     word = ("largest" if field in LARGEST else "smallest") + so_far
     found = archive.extreme(field, field in LARGEST)
     if found is None:

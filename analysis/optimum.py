@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Prints the fastest design of an archive as options of `trebsweep trace`.
+"""Prints the optimum of an archive as options of `trebsweep trace`.
 
-In a partial archive it is the fastest design done so far. If no design has a release, nothing is
-printed on stdout, and the exit code is 0.
+The optimum is the design with the largest optimum.objective, by default the fastest, among those
+that satisfy the job's constraints; in a partial archive, that of the designs done so far. If there
+is none, nothing is printed on stdout, and the exit code is 0.
 
   trebsweep trace as-run.cfg $(optimum.py accurate.h5 --job as-run.cfg) > swing.txt
 """

@@ -23,13 +23,13 @@ std::size_t read_edge(hid_t tile_done, const char* name, std::size_t extent) {
 /// The tallies of the tiles that are done.
 std::vector<TallyRow> read_tallies(hid_t file, const ArchiveContents& contents) {
   const auto values = hdf5::read_numbers(file, "tile_tally");
-  const auto columns = stored_columns(contents.format_version);
-  if (values.size() != contents.tiles * columns.size())
+  const std::size_t columns = stored_columns(contents.format_version).size();
+  if (values.size() != contents.tiles * columns)
     untrusted::fail("tile_tally does not have one row per tile");
-  std::vector<TallyRow> rows(contents.tiles_done, to_row(Tally{}));
-  for (std::size_t t = 0; t < rows.size(); ++t)
-    for (std::size_t c = 0; c < columns.size(); ++c)
-      rows[t][columns[c]] = values[t * columns.size() + c];
+  std::vector<TallyRow> rows;
+  for (std::size_t t = 0; t < contents.tiles_done; ++t)
+    rows.push_back(
+        to_current_row(std::span(values).subspan(t * columns, columns), contents.format_version));
   return rows;
 }
 
@@ -42,6 +42,19 @@ std::optional<MeasuredError> read_error(hid_t file) {
                        .largest = read("error_largest"),
                        .at_optimum = read("error_at_optimum"),
                        .designs = static_cast<std::uint64_t>(read("error_designs"))};
+}
+
+/// The optimum between the designs of a complete sweep, or none if it was not searched for.
+std::optional<RefinedOptimum> read_refined(hid_t file) {
+  const auto read = [&](const char* name) { return hdf5::read_number_attribute(file, name); };
+  // Archives before format version 6 lack this attribute.
+  if (H5Aexists(file, "refined_error") <= 0 || std::isnan(read("refined_error")))
+    return std::nullopt;
+  return RefinedOptimum{{{read("best_r1"), read("best_r3"), read("best_r2")},
+                         read("best_value"),
+                         read("best_speed"),
+                         read("best_release_time")},
+                        read("refined_error")};
 }
 
 /// Throws if a map that the archive's job asks for is missing or has another extent.
@@ -83,6 +96,7 @@ ArchiveContents read(const std::filesystem::path& path) {
   contents.tiles_done = untrusted::count_done(done);
   contents.tallies = read_tallies(file, contents);
   contents.error = read_error(file);
+  contents.refined = read_refined(file);
   check_maps(file, contents);
   return contents;
 }
@@ -98,7 +112,7 @@ Tally ArchiveContents::tally(std::span<const TileRange> without) const {
     const Tally tally = to_tally(tallies[t]);
     if (tally.designs() == 0)
       untrusted::fail(fmt::format("tile {} is marked done but has no designs", t));
-    if (tally.best_speed >= 0 && tally.best_cell >= cells)
+    if (tally.best_value > Tally{}.best_value && tally.best_cell >= cells)
       untrusted::fail(fmt::format("the best design of tile {} lies outside the lattice", t));
     for (const std::uint64_t first : tally.first_cells)
       if (first != no_cell && first >= cells)

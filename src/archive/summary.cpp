@@ -1,21 +1,67 @@
 #include "trebsweep/archive/summary.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "trebsweep/base/mpi.hpp"
+#include "trebsweep/base/number.hpp"
 
 namespace trebsweep {
 namespace {
 
-std::string to_text(const MeasuredError& error) {
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+bool must_be_taut(const Job& job) { return job.output.optimum_filter == OptimumFilter::taut; }
+
+/// Lengths of a lattice's design as they are, others to 0.1 micrometres.
+std::string to_text(const Design<double>& design, bool in_lattice) {
+  const char* const format =
+      in_lattice ? "r1 = {}, r2 = {}, r3 = {} m" : "r1 = {:.7f}, r2 = {:.7f}, r3 = {:.7f} m";
+  return fmt::format(fmt::runtime(format), design.r1, design.r2, design.r3);
+}
+
+std::string to_text(const Optimum& optimum, const Job& job, bool in_lattice) {
+  const Field objective = job.optimum.objective;
+  const auto& [design, value, speed, release_time] = optimum;
+  const std::string place =
+      fmt::format("at {}, released at {:.8g} s", to_text(design, in_lattice), release_time);
+  const std::string unit = unit_text(info(objective).units);
+  std::string text = objective == Field::speed
+                         ? fmt::format("{:.8f} m/s {}", speed, place)
+                         : fmt::format("{} {:.10g}{}{} {} with {:.8f} m/s", info(objective).name,
+                                       value, unit.empty() ? "" : " ", unit, place, speed);
+  if (must_be_taut(job)) text += ", the sling taut";
+  const auto& constraints = job.optimum.constraints;
+  for (std::size_t c = 0; c < constraints.size(); ++c)
+    text += fmt::format("{} {}", c == 0 ? ", subject to" : ",", to_text(constraints[c]));
+  return text;
+}
+
+/// Why no design of a summary is the optimum.
+std::string reason_for_no_optimum(const Summary& summary, const Job& job) {
+  bool released = false;
+  for (std::size_t s = 0; s < status_names.size(); ++s)
+    released |= has_speed(static_cast<Status>(s)) && summary.statuses[s] > 0;
+  if (!released) return "none: nothing was released";
+  std::vector<std::string> conditions;
+  if (job.optimum.objective != Field::speed)
+    conditions.push_back(fmt::format("has a finite {}", info(job.optimum.objective).name));
+  if (must_be_taut(job)) conditions.emplace_back("has a taut sling");
+  if (!job.optimum.constraints.empty()) conditions.emplace_back("satisfies the constraints");
+  return fmt::format("none: no released design {}", fmt::join(conditions, " and "));
+}
+
+std::string to_text(const MeasuredError& error, Field objective) {
   std::string text = fmt::format("{:.2g} median, {:.2g} largest of {} designs", error.median,
                                  error.largest, error.designs);
   if (!std::isnan(error.at_optimum))
     text += fmt::format("; {:.2g} at the optimum", error.at_optimum);
+  if (objective != Field::speed) text += " (of the speed, m/s)";
   return text;
 }
 
@@ -41,8 +87,9 @@ Summary to_summary(const Tally& tally, const std::array<std::vector<double>, 3>&
     return Design<double>{r1[cell / r2.size() / r3.size()], r3[cell / r2.size() % r3.size()],
                           r2[cell % r2.size()]};
   };
-  if (tally.best_speed >= 0)
-    summary.optimum = {design_of(tally.best_cell), tally.best_speed, tally.best_time};
+  if (tally.best_cell != no_cell)
+    summary.optimum = {design_of(tally.best_cell), tally.best_value, tally.best_speed,
+                       tally.best_time};
   for (const std::uint64_t cell : tally.first_cells)
     if (cell != no_cell) summary.first_of_statuses.push_back(design_of(cell));
   return summary;
@@ -59,29 +106,32 @@ Summary combine(const Tally& tally, const Lattice& lattice, MPI_Comm comm) {
   sum.integration_seconds = mpi::sum(tally.integration_seconds, comm);
   sum.sweep_seconds = mpi::sum(tally.sweep_seconds, comm);
 
-  sum.best_speed = mpi::max(tally.best_speed, comm);
-  sum.best_cell = mpi::min(tally.best_speed == sum.best_speed ? tally.best_cell : no_cell, comm);
-  sum.best_time = mpi::max(tally.best_cell == sum.best_cell ? tally.best_time : -1, comm);
+  const double best_value = mpi::max(tally.best_value, comm);
+  sum.best_cell = mpi::min(tally.best_value == best_value ? tally.best_cell : no_cell, comm);
+  const auto of_best = [&](double value) {
+    return mpi::max(tally.best_cell == sum.best_cell ? value : -infinity, comm);
+  };
+  sum.best_value = of_best(tally.best_value);  // the maximum of 0 and -0 may be either
+  sum.best_speed = of_best(tally.best_speed);
+  sum.best_time = of_best(tally.best_time);
   for (std::size_t s = 0; s < status_names.size(); ++s)
     sum.first_cells[s] = mpi::min(tally.first_cells[s], comm);
   return to_summary(sum, lattice.axes());
 }
 
-std::string to_text(const Summary& summary, OptimumFilter optimum_filter) {
+std::string to_text(const Summary& summary, const Job& job) {
   std::string text = fmt::format("designs   {}\n", summary.designs());
   for (std::size_t s = 0; s < status_names.size(); ++s)
     if (summary.statuses[s] > 0)
       text += fmt::format("          {} {}\n", summary.statuses[s], status_names[s]);
-  if (const auto& best = summary.optimum)
-    text += fmt::format(
-        "optimum   {:.8f} m/s at r1 = {}, r2 = {}, r3 = {} m, released at {:.8g} s{}\n",
-        best->speed, best->design.r1, best->design.r2, best->design.r3, best->release_time,
-        optimum_filter == OptimumFilter::taut ? ", the sling taut" : "");
-  else
-    text += fmt::format("optimum   none: nothing was released{}\n",
-                        optimum_filter == OptimumFilter::taut ? " with a taut sling" : "");
-  text += fmt::format("error     {}\n",
-                      summary.error ? to_text(*summary.error) : std::string("not measured"));
+  text += fmt::format("optimum   {}\n", summary.optimum ? to_text(*summary.optimum, job, true)
+                                                        : reason_for_no_optimum(summary, job));
+  if (const auto& refined = summary.refined)
+    text += fmt::format("refined   {}, error {:.1g}\n", to_text(refined->optimum, job, false),
+                        refined->error);
+  text +=
+      fmt::format("error     {}\n", summary.error ? to_text(*summary.error, job.optimum.objective)
+                                                  : std::string("not measured"));
   text += fmt::format("steps     {}, lane utilisation {:.1f} %\n", summary.steps,
                       100 * summary.utilisation());
   return text + fmt::format("seconds   {:.2f} ({:.2f} integrating)", summary.sweep_seconds,

@@ -3,23 +3,35 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <stdexcept>
 #include <tuple>
 
 namespace trebsweep {
+namespace {
+
+constexpr std::size_t position(std::string_view column) {
+  const auto found = std::find(tally_columns.begin(), tally_columns.end(), column);
+  return static_cast<std::size_t>(found - tally_columns.begin());
+}
+
+constexpr std::size_t best_value = position("best_value"), best_speed = position("best_speed");
+
+}  // namespace
 
 std::uint64_t Tally::designs() const {
   return std::accumulate(statuses.begin(), statuses.end(), std::uint64_t{0});
 }
 
-void Tally::add(const SwingResult& result, std::uint64_t cell, bool competes) {
+void Tally::add(const SwingResult& result, std::uint64_t cell, double value) {
   ++statuses[static_cast<std::size_t>(result.status)];
   std::uint64_t& first = first_cells[static_cast<std::size_t>(result.status)];
   first = std::min(first, cell);
   steps += result.steps;
-  if (!competes || !has_speed(result.status)) return;
-  if (result.speed > best_speed || (result.speed == best_speed && cell < best_cell)) {
+  const bool is_better = value > best_value || (value == best_value && cell < best_cell);
+  if (is_better && has_speed(result.status) && std::isfinite(value)) {
+    best_value = value;
     best_speed = result.speed;
     best_time = result.release_time;
     best_cell = cell;
@@ -35,7 +47,8 @@ void Tally::add(const Tally& other) {
   lane_steps += other.lane_steps;
   integration_seconds += other.integration_seconds;
   sweep_seconds += other.sweep_seconds;
-  if (std::tuple(-other.best_speed, other.best_cell) < std::tuple(-best_speed, best_cell)) {
+  if (std::tuple(-other.best_value, other.best_cell) < std::tuple(-best_value, best_cell)) {
+    best_value = other.best_value;
     best_speed = other.best_speed;
     best_time = other.best_time;
     best_cell = other.best_cell;
@@ -47,6 +60,7 @@ TallyRow to_row(const Tally& tally) {
   TallyRow row{};
   const std::array rest{static_cast<double>(tally.steps),
                         static_cast<double>(tally.lane_steps),
+                        tally.best_value,
                         tally.best_speed,
                         tally.best_time,
                         cell(tally.best_cell),
@@ -60,7 +74,8 @@ TallyRow to_row(const Tally& tally) {
 }
 
 std::vector<std::size_t> stored_columns(unsigned long long format_version) {
-  // Versions 3 and 4 know eight statuses; version 3 does not store first cells.
+  // Versions 3 to 5 store no objective; versions 3 and 4 know eight statuses; version 3 does not
+  // store first cells.
   const std::size_t statuses = format_version >= 5 ? status_names.size() : 8;
   const std::size_t first_cells = tally_columns.size() - status_names.size();
   std::vector<std::size_t> columns;
@@ -69,9 +84,19 @@ std::vector<std::size_t> stored_columns(unsigned long long format_version) {
     const std::size_t status = is_first_cell ? c - first_cells : c;
     if ((is_count || is_first_cell) && status >= statuses) continue;
     if (is_first_cell && format_version < 4) continue;
+    if (c == best_value && format_version < 6) continue;
     columns.push_back(c);
   }
   return columns;
+}
+
+TallyRow to_current_row(std::span<const double> stored, unsigned long long format_version) {
+  TallyRow row = to_row(Tally{});
+  const auto columns = stored_columns(format_version);
+  for (std::size_t c = 0; c < columns.size(); ++c) row[columns[c]] = stored[c];
+  // Before version 6 the objective is the speed, and -1 marks a tile without an optimum.
+  if (format_version < 6 && row[best_speed] >= 0) row[best_value] = row[best_speed];
+  return row;
 }
 
 Tally to_tally(const TallyRow& row) {
@@ -92,6 +117,7 @@ Tally to_tally(const TallyRow& row) {
   for (std::uint64_t& status : tally.statuses) status = count();
   tally.steps = count();
   tally.lane_steps = count();
+  tally.best_value = row[column++];
   tally.best_speed = row[column++];
   tally.best_time = row[column++];
   tally.best_cell = cell();

@@ -28,8 +28,8 @@ bool is_root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
 void print_summary(const Summary& summary, const Job& job) {
   const int ranks = mpi::size(MPI_COMM_WORLD);
   fmt::print("scene     {}\nsolver    {}\n{} on {} {}\narchive   {}\n", scene_text(job),
-             solver_text(job.solver), to_text(summary, job.output.optimum_filter), ranks,
-             ranks == 1 ? "rank" : "ranks", job.output.file);
+             solver_text(job.solver), to_text(summary, job), ranks, ranks == 1 ? "rank" : "ranks",
+             job.output.file);
   std::fflush(stdout);  // before the warnings on stderr; main checks stdout for errors
   for (const std::string& line : summary.warnings) fmt::print(stderr, "warning: {}\n", line);
 }
@@ -61,8 +61,11 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
   const double deadline = MPI_Wtime() + line.time_limit;
   const auto stop = [&] { return signals.requested() || MPI_Wtime() >= deadline; };
   const Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
-  const SweepOptions options{
-      .overwrite = line.overwrite, .progress = line.progress, .command = command, .stop = stop};
+  const SweepOptions options{.overwrite = line.overwrite,
+                             .progress = line.progress,
+                             .command = command,
+                             .refine = refine,
+                             .stop = stop};
   const auto summary = sweep(job, options, MPI_COMM_WORLD);
   if (!summary) {
     if (is_root())

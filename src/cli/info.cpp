@@ -75,7 +75,8 @@ std::string describe_sweep(const fs::path& path) {
                       Lattice(job.scene, job.lattice).designs());
   Summary summary = to_summary(contents.tally(), contents.axes);
   summary.error = contents.error;
-  text += to_text(summary, job.output.optimum_filter);
+  summary.refined = contents.refined;
+  text += to_text(summary, job);
   text += fmt::format("\nsource    {}, {}\n", contents.source, contents.kernel);
   text += "history   " + boost::replace_all_copy(contents.history, "\n", "\n          ");
   return text + "\n\n" + contents.job;

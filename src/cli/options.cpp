@@ -87,7 +87,7 @@ po::options_description key_options(Command command) {
       const std::string value = key.get(defaults);
       group.add_options()(
           key.name.c_str(), text(key.placeholder.c_str()),
-          (key.help + (value.empty() ? "" : fmt::format(" (default: {})", value))).c_str());
+          (key.help() + (value.empty() ? "" : fmt::format(" (default: {})", value))).c_str());
     }
     if (!group.options().empty()) options.add(group);
   }

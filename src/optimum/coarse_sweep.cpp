@@ -14,7 +14,6 @@
 namespace trebsweep {
 namespace {
 
-constexpr double tolerance = 1e-6;
 constexpr std::uint64_t enough_designs = 100'000;  // a fraction of a second
 constexpr std::size_t enough_values = 200;         // of an axis
 constexpr std::uint64_t max_designs = 100'000'000;
@@ -34,7 +33,8 @@ std::vector<Merit> merits(const Job& job, std::span<const Design<double>> design
   const std::vector<Constraint> constraints = constraints_of(job);
   std::vector<Field> fields{job.optimum.objective};
   for (const Constraint& c : constraints) fields.push_back(c.field);
-  const Eigen::MatrixXd values = field_values(job.scene, job.solver, tolerance, designs, fields);
+  const Eigen::MatrixXd values =
+      field_values(job.scene, job.solver, Accuracy::coarse, designs, fields);
   std::vector<Merit> all;
   for (const auto& column : values.colwise()) {
     Merit merit{column(0), 0};

@@ -46,7 +46,8 @@ DesignProblem design_problem(const Job& job, const Design<double>& typical) {
                         .scales = {},
                         .variables = {}};
   for (const Constraint& c : problem.constraints) problem.fields.push_back(c.field);
-  const MatrixXd values = field_values(job.scene, job.solver, 0, {&typical, 1}, problem.fields);
+  const MatrixXd values =
+      field_values(job.scene, job.solver, Accuracy::high, {&typical, 1}, problem.fields);
   problem.scales.push_back(magnitude(values(0)));
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const double limit = problem.constraints[i].limit;
@@ -81,7 +82,8 @@ Design<double> to_design(const DesignProblem& problem, const VectorXd& variables
 }
 
 MatrixXd values_at(const DesignProblem& problem, std::span<const Design<double>> designs) {
-  MatrixXd values = field_values(problem.scene, problem.solver, 0, designs, problem.fields);
+  MatrixXd values =
+      field_values(problem.scene, problem.solver, Accuracy::high, designs, problem.fields);
   values.row(0) /= problem.scales[0];
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const Constraint& constraint = problem.constraints[i];

@@ -14,9 +14,9 @@ DesignSpace design_space(const Scene& scene, const LatticeSpec& spec) {
   const ArmBounds arm = arm_bounds(scene);
   const double h0 = scene.fulcrum_height;
   const double shortest = spec.r3 ? spec.r3->first : spec.shortest_sling;
-  DesignSpace space{{arm.low, shortest, 0}, {arm.high, h0, h0 - shortest}, h0};
+  DesignSpace space{{arm.low, shortest, 0}, {arm.high, h0, h0}, h0};
   const std::array<std::string, 3> lower_text{arm.low_text, "lattice.shortest-sling", "0"};
-  const std::array<std::string, 3> upper_text{arm.high_text, "h0", "h0 - r3"};
+  const std::array<std::string, 3> upper_text{arm.high_text, "h0", "h0"};
   const std::array axes{&spec.r1, &spec.r3, &spec.r2};
   for (std::size_t d = 0; d < 3; ++d)
     if (const auto& range = *axes[d]) {

@@ -9,7 +9,7 @@
 
 namespace trebsweep {
 
-Eigen::MatrixXd field_values(const Scene& scene, const Solver& solver, double tolerance,
+Eigen::MatrixXd field_values(const Scene& scene, const Solver& solver, Accuracy accuracy,
                              std::span<const Design<double>> designs,
                              std::span<const Field> fields) {
   std::vector<Field> computed;  // those that are not in every SwingResult
@@ -18,10 +18,11 @@ Eigen::MatrixXd field_values(const Scene& scene, const Solver& solver, double to
   std::vector<SwingResult> swings(designs.size());
   std::vector<double> values(designs.size() * computed.size());
   const Batch batch{designs, swings, computed, values};
-  if (tolerance > 0)
-    integrate(scene, solver_of("vern8", tolerance, solver), batch);
-  else  // by vern8, because that is not the stepper to be checked
-    integrate_accurately(scene, solver_of("dopri5", 1e-9, solver), batch);
+  if (accuracy == Accuracy::coarse)
+    integrate(scene, solver_of("vern8", 1e-6, solver), batch);
+  else  // by vern8, unless that is the stepper to be checked
+    integrate_accurately(
+        scene, solver_of(accuracy == Accuracy::check ? "vern8" : "dopri5", 1e-13, solver), batch);
 
   Eigen::MatrixXd result(static_cast<Eigen::Index>(fields.size()),
                          static_cast<Eigen::Index>(designs.size()));

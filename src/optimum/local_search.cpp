@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlopt.hpp>
-#include <vector>
 
-#include "trebsweep/optimum/derivatives.hpp"
+#include "trebsweep/optimum/mma.hpp"
 
 namespace trebsweep {
 namespace {
@@ -14,108 +12,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A program as NLopt calls it: the variables are x and, if there are several objectives, a bound t
-/// of all of them, which is then the objective.
-class NloptProblem {
- public:
-  NloptProblem(const NonlinearProgram& program, const VectorXd& start) : program_(program) {
-    evaluate(start);
-  }
-
-  bool has_bound() const { return program_.objectives > 1; }
-  Index variables() const { return program_.variables() + has_bound(); }
-  Index constraints() const {
-    return program_.constraints + (has_bound() ? program_.objectives : 0);
-  }
-  const Point& best() const { return best_; }
-
-  double objective(const double* y, double* gradient) {
-    if (has_bound()) {
-      if (gradient) std::fill_n(gradient, variables(), 0.0), gradient[variables() - 1] = 1;
-      return y[variables() - 1];
-    }
-    evaluate(Eigen::Map<const VectorXd>(y, program_.variables()));
-    if (gradient) copy_row(0, 1, gradient);
-    return value(0, -HUGE_VAL);
-  }
-
-  void constrain(double* result, const double* y, double* gradient) {
-    evaluate(Eigen::Map<const VectorXd>(y, program_.variables()));
-    Index i = 0;
-    const auto next_gradient = [&] { return gradient + variables() * i; };
-    if (has_bound())
-      for (; i < program_.objectives; ++i) {
-        result[i] = y[variables() - 1] - value(i, -HUGE_VAL);
-        if (gradient) copy_row(i, -1, next_gradient()), next_gradient()[variables() - 1] = 1;
-      }
-    for (Index f = program_.objectives; i < constraints(); ++i, ++f) {
-      result[i] = value(f, HUGE_VAL);
-      if (gradient) copy_row(f, 1, next_gradient());
-    }
-  }
-
- private:
-  /// Expands the functions at x and keeps the best point.
-  void evaluate(const VectorXd& x) {
-    if (at_.size() > 0 && x == at_) return;
-    at_ = x;
-    expansion_ = expand(program_.functions, x, {1e-3, 3}, false);
-    const Point point = point_of(program_, x, expansion_.values);
-    if (best_.x.size() == 0 || is_better(point, best_)) best_ = point;
-  }
-
-  double value(Index function, double otherwise) const {
-    const double value = expansion_.values(function);
-    return std::isnan(value) ? otherwise : value;
-  }
-
-  void copy_row(Index function, double factor, double* to) const {
-    for (Index i = 0; i < program_.variables(); ++i) {
-      const double slope = factor * expansion_.gradients(function, i);
-      to[i] = std::isfinite(slope) ? slope : 0;
-    }
-  }
-
-  const NonlinearProgram& program_;
-  VectorXd at_;  // the point of the expansion
-  Expansion expansion_;
-  Point best_;
-};
-
-/// The best point that NLopt visits.
-Point search_by_nlopt(const NonlinearProgram& program, const VectorXd& start) {
-  NloptProblem problem(program, start);
-  const auto n = static_cast<unsigned>(problem.variables());
-  const auto with_bound = [&](const VectorXd& x, double t) {
-    std::vector<double> y(x.begin(), x.end());
-    if (problem.has_bound()) y.push_back(t);
-    return y;
-  };
-  nlopt::opt opt(nlopt::LD_MMA, n);
-  opt.set_lower_bounds(with_bound(program.lower, -HUGE_VAL));
-  opt.set_upper_bounds(with_bound(program.upper, HUGE_VAL));
-  opt.set_max_objective(
-      [](unsigned, const double* y, double* gradient, void* data) {
-        return static_cast<NloptProblem*>(data)->objective(y, gradient);
-      },
-      &problem);
-  if (problem.constraints() > 0)
-    opt.add_inequality_mconstraint(
-        [](unsigned, double* result, unsigned, const double* y, double* gradient, void* data) {
-          static_cast<NloptProblem*>(data)->constrain(result, y, gradient);
-        },
-        &problem, std::vector<double>(static_cast<std::size_t>(problem.constraints()), 0.0));
-  opt.set_xtol_abs(1e-5);
-  opt.set_maxeval(60);
-  std::vector<double> y = with_bound(problem.best().x, problem.best().objective);
-  double value = 0;
-  try {
-    opt.optimize(y, value);
-  } catch (const std::runtime_error&) {
-    // Limited by rounding errors, or failed: the best point is kept all the same.
-  }
-  return problem.best();
-}
+constexpr double lattice_spacing = 1e-3;
 
 /// The best point of a cubic lattice around a point, with `reach` points to each side of it.
 Point best_around(const NonlinearProgram& program, const Point& centre, double spacing,
@@ -137,7 +34,7 @@ Point best_around(const NonlinearProgram& program, const Point& centre, double s
   return best;
 }
 
-/// Descends to finer and finer lattices: for functions with a kink at the optimum.
+/// The best point of finer and finer lattices: for functions with a kink at the optimum.
 Point zoom(const NonlinearProgram& program, Point point) {
   constexpr int max_steps = 60;
   double spacing = 1e-2;
@@ -151,35 +48,43 @@ Point zoom(const NonlinearProgram& program, Point point) {
   return point;
 }
 
+/// Whether a is better than b by more than it may gain from violations within
+/// feasibility_tolerance.
+bool is_clearly_better(const Point& a, const Point& b) {
+  constexpr double gain = 1e-8;  // relative
+  if (!is_feasible(a) || !is_feasible(b)) return is_better(a, b);
+  return a.objective - b.objective > gain * std::abs(b.objective);
+}
+
+/// A point with values close to x, or x itself if there is none.
+Point point_with_values(const NonlinearProgram& program, const VectorXd& x) {
+  constexpr double farthest = 0.1;
+  Point point{x, 0, HUGE_VAL};
+  point = best_around(program, point, 0, 0);
+  for (double far = 0.01; std::isinf(point.violation) && far <= farthest; far *= 2)
+    point = best_around(program, point, far, 2);
+  return point;
+}
+
+KktPoint search_once(const NonlinearProgram& program, const Point& start) {
+  const Point near = search_by_mma(program, start.x);
+  const KktPoint found = solve_kkt(program, near);
+  if (found.converged && !is_clearly_better(near, found.point)) return found;
+  return {zoom(program, near), VectorXd::Zero(found.multipliers.size()), false};
+}
+
 }  // namespace
 
 KktPoint search(const NonlinearProgram& program, const VectorXd& x) {
-  constexpr int rounds = 4;
-  constexpr double spacing = 1e-3, largest_spacing = 0.1;
-  // Relative: so much the objective may gain from violations within feasibility_tolerance.
-  constexpr double noise = 1e-8;
-  if (program.variables() == 0)
-    return {best_around(program, {x, 0, HUGE_VAL}, 0, 0), VectorXd::Zero(program.constraints),
-            true};
-  KktPoint best;
-  Point start = best_around(program, {x, 0, HUGE_VAL}, spacing, 0);
-  // Away from points without a value.
-  for (double far = 10 * spacing; std::isinf(start.violation) && far <= largest_spacing; far *= 2)
-    start = best_around(program, start, far, 2);
-  for (int round = 0; round < rounds; ++round) {
-    const Point near = search_by_nlopt(program, start.x);
-    KktPoint found = solve_kkt(program, near);
-    if (!found.converged ||
-        (is_better(near, found.point) &&
-         near.objective - found.point.objective > noise * std::abs(near.objective)))
-      found = {zoom(program, near), VectorXd::Zero(found.multipliers.size()), false};
-    if (round == 0 || is_better(found.point, best.point)) best = found;
-    const Point around = best_around(program, best.point, spacing, 3);
-    if (!is_better(around, best.point) ||
-        (is_feasible(best.point) &&
-         around.objective - best.point.objective <= noise * std::abs(best.point.objective)))
-      break;
-    start = around;
+  constexpr int max_searches = 4;
+  Point start = point_with_values(program, x);
+  if (program.variables() == 0) return {start, VectorXd::Zero(program.constraints), true};
+  KktPoint best = search_once(program, start);
+  for (int searches = 1; searches < max_searches; ++searches) {
+    start = best_around(program, best.point, lattice_spacing, 3);
+    if (!is_clearly_better(start, best.point)) break;
+    const KktPoint found = search_once(program, start);
+    if (is_better(found.point, best.point)) best = found;
   }
   return best;
 }

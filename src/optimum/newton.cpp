@@ -1,6 +1,6 @@
 #include "trebsweep/optimum/newton.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -63,8 +63,13 @@ Step equality_step(const Inequalities& c, const VectorXd& multipliers,
     right(n + k) = -c.values(i);
   }
   right(n - 1) = -1;  // the gradient of t
+<<<<<<< HEAD
   const VectorXd solution = kkt.completeOrthogonalDecomposition().solve(right);
   Step step{solution.head(n), VectorXd::Zero(c.values.size()), (kkt * solution - right).norm()};
+=======
+  const VectorXd solution = kkt.fullPivLu().solve(right);
+  Step step{solution.head(n), VectorXd::Zero(c.values.size())};
+>>>>>>> main
   for (Index k = 0; k < m; ++k)
     step.multipliers(active[static_cast<std::size_t>(k)]) = solution(n + k);
   return step;
@@ -90,26 +95,41 @@ Step step_with_active_set(const Inequalities& c, const VectorXd& multipliers,
   return step;
 }
 
+bool has_derivatives(const Inequalities& c) {
+  return c.values.allFinite() && c.gradients.allFinite() &&
+         std::ranges::all_of(c.hessians, [](const MatrixXd& h) { return h.allFinite(); });
+}
+
+/// The inequalities that a small change of x may make active.
+std::vector<Index> nearly_active(const NonlinearProgram& program, const Inequalities& c) {
+  constexpr double near = 1e-3;
+  const Index n = program.variables(), bounds = c.values.size() - 2 * n;
+  std::vector<Index> active;
+  for (Index i = 0; i < c.values.size(); ++i) {
+    double reach = i < program.objectives ? 0 : near * c.gradients.row(i).norm();
+    if (i >= bounds)  // not both ends of a short interval
+      reach *= std::min(1.0, (program.upper - program.lower)((i - bounds) % n));
+    if (c.values(i) >= -reach) active.push_back(i);
+  }
+  return active;
+}
+
 }  // namespace
 
 KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
-  const Index n = program.variables(), objectives = program.objectives;
-  constexpr double near = 1e-3;  // a change of x within which an inequality may be active
+  constexpr int max_iterations = 12;
+  constexpr double enough = 1e-11, converged = 1e-7;  // lengths of the last step
+  const Index n = program.variables();
   KktPoint solution{start, VectorXd::Zero(program.constraints + 2 * n), false};
   double reach = 0.05;  // the longest step allowed
   std::vector<Index> active;
   VectorXd multipliers;
-  for (int iteration = 0; iteration < 12; ++iteration) {
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Inequalities c = inequalities(program, solution.point.x);
-    if (!c.gradients.allFinite() || !c.values.allFinite()) return solution;
-    for (const MatrixXd& hessian : c.hessians)
-      if (!hessian.allFinite()) return solution;
+    if (!has_derivatives(c)) return solution;
     if (iteration == 0) {
-      for (Index i = 0; i < c.values.size(); ++i)
-        if (c.values(i) >= (i < objectives ? 0 : -near * c.gradients.row(i).norm()))
-          active.push_back(i);
-      multipliers = VectorXd::Zero(c.values.size());
-      multipliers(active.front()) = 1;
+      active = nearly_active(program, c);
+      multipliers = VectorXd::Unit(c.values.size(), active.front());
     }
     const Step step = step_with_active_set(c, multipliers, active);
     multipliers = step.multipliers;
@@ -123,10 +143,15 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
       reach = length / 4;
       continue;
     }
+<<<<<<< HEAD
     solution.point = point;
     solution.multipliers = multipliers.tail(solution.multipliers.size());
     solution.converged = length < 1e-8 && step.residual < 1e-6;
     if (length < 1e-11) break;
+=======
+    solution = {point, multipliers.tail(solution.multipliers.size()), length < converged};
+    if (length < enough) break;
+>>>>>>> main
   }
   return solution;
 }

@@ -104,7 +104,7 @@ void add_derivatives(const DesignProblem& problem, OptimumResult& result) {
 void add_value(const DesignProblem& problem, OptimumResult& result) {
   const std::array fields{result.objective, Field::release_time};
   const MatrixXd values =
-      field_values(problem.scene, problem.solver, 0, {&result.design, 1}, fields);
+      field_values(problem.scene, problem.solver, Accuracy::high, {&result.design, 1}, fields);
   const Reference exact = reference(problem.scene, result.design, problem.solver);  // TODO
   result.value = values(0);
   result.release_time = values(1);
@@ -205,13 +205,15 @@ std::optional<OptimumResult> find_optimum(const Job& job, bool own_lattice, MPI_
 std::optional<RefinedOptimum> refine(const Job& job, const Design<double>& start) {
   std::uint64_t integrated = 0;
   const DesignProblem problem = design_problem(job, start);
-  const Point point =
-      search(nominal_program(problem, integrated), to_variables(problem, start)).point;
+  const NonlinearProgram program = nominal_program(problem, integrated);
+  const Point point = search(program, to_variables(problem, start)).point;
   if (!is_feasible(point)) return std::nullopt;
   const Design<double> design = to_design(problem, point.x);
   const std::array fields{job.optimum.objective, Field::speed, Field::release_time};
-  const MatrixXd values = field_values(job.scene, job.solver, 0, {&design, 1}, fields);
-  return RefinedOptimum{design, values(0), values(1), values(2)};
+  const VectorXd values = field_values(job.scene, job.solver, Accuracy::high, {&design, 1}, fields);
+  const VectorXd others =
+      field_values(job.scene, job.solver, Accuracy::check, {&design, 1}, fields);
+  return RefinedOptimum{{design, values(0), values(1), values(2)}, std::abs(values(0) - others(0))};
 }
 
 }  // namespace trebsweep

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "trebsweep/base/number.hpp"
+#include "trebsweep/job/key.hpp"
 
 namespace trebsweep {
 namespace {
@@ -53,14 +55,16 @@ std::string precision_text(const OptimumResult& result) {
 }
 
 std::string sensitivities_text(const OptimumResult& result) {
-  std::string text = fmt::format("{:24}{:>12}{:>20}{:>20}\n", "change of the value by", "value",
-                                 "lengths kept", "lengths optimal");
-  for (const auto& [key, sensitivity] : result.sensitivities) {
+  std::string text =
+      fmt::format("{:34}{:>18}{:>18}\n", "change of the value", "lengths kept", "lengths optimal");
+  for (const auto& [name, sensitivity] : result.sensitivities) {
+    const Key& key = *std::ranges::find(job_keys(), "scene." + name, &Key::name);
     const auto& [value, at_design, of_optimum] = sensitivity;
-    const double change = value == 0 ? 1 : 0.01 * value;
-    text += fmt::format("{:24}{:>12.6g}{:>+20.6g}{:>+20.6g}\n",
-                        fmt::format("{} {}", value == 0 ? "+1" : "+1 %", key), value,
-                        change * at_design, change * of_optimum);
+    const double change = value == 0 ? 1 : 0.01 * std::abs(value);
+    const std::string label =
+        value == 0 ? fmt::format("{} per {}", name, key.unit) : fmt::format("{} + 1 %", name);
+    text +=
+        fmt::format("{:34}{:>+18.6g}{:>+18.6g}\n", label, change * at_design, change * of_optimum);
   }
   return text;
 }

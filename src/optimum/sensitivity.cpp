@@ -46,7 +46,8 @@ VectorXd values_with(const Job& job, const Key& key, double value, const DesignP
   } catch (const std::runtime_error&) {  // an InputError or NoOptimum
     return all;
   }
-  all.head(fields) = field_values(varied.scene, varied.solver, 0, {&design, 1}, problem.fields);
+  all.head(fields) =
+      field_values(varied.scene, varied.solver, Accuracy::high, {&design, 1}, problem.fields);
   Index i = fields;
   if (has_sum(problem)) all(i++) = *space.longest_sum;
   for (const auto* bound : {&space.lower, &space.upper})

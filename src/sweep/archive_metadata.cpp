@@ -43,15 +43,18 @@ std::vector<MapInfo> map_infos(const Output& output) {
 }
 
 Attributes result_attributes(const Summary& summary) {
-  const Optimum none{{nan, nan, nan}, nan, nan};
-  const Optimum optimum = summary.optimum.value_or(none);
+  const Optimum none{{nan, nan, nan}, nan, nan, nan};
+  const Optimum optimum =
+      summary.refined ? summary.refined->optimum : summary.optimum.value_or(none);
   const MeasuredError error = summary.error.value_or(MeasuredError{nan, nan, nan, 0});
   using Count = unsigned long long;
-  return {{"best_speed", optimum.speed},
+  return {{"best_value", optimum.value},
+          {"best_speed", optimum.speed},
           {"best_r1", optimum.design.r1},
           {"best_r3", optimum.design.r3},
           {"best_r2", optimum.design.r2},
           {"best_release_time", optimum.release_time},
+          {"refined_error", summary.refined ? summary.refined->error : nan},
           {"error_median", error.median},
           {"error_largest", error.largest},
           {"error_at_optimum", error.at_optimum},
@@ -65,6 +68,7 @@ Attributes result_attributes(const Summary& summary) {
 
 Attributes root_attributes(const Job& job, const std::string& history,
                            const std::string& replaces) {
+  const FieldInfo& objective = info(job.optimum.objective);
   Attributes all = result_attributes(Summary{});
   all.insert(all.end(), {{"format_version", format_version},
                          {"Conventions", std::string("CF-1.10")},
@@ -72,6 +76,8 @@ Attributes root_attributes(const Job& job, const std::string& history,
                                        std::filesystem::path(job.output.file).stem().string()},
                          {"source", version_text()},
                          {"kernel", std::string(instruction_set())},
+                         {"objective", std::string(objective.name)},
+                         {"objective_units", std::string(objective.units)},
                          {"scene", scene_text(job)},
                          {"job", to_text(job)},
                          {"replaces", replaces},

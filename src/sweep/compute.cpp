@@ -4,25 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <stdexcept>
+#include <span>
 
 #include "trebsweep/job/sample.hpp"
 #include "trebsweep/sweep/archive_metadata.hpp"
+#include "trebsweep/sweep/objective.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
 namespace {
 
 /// The fields that a job's maps and its choice of the optimum need in addition to SwingResult's.
-std::vector<Field> additional_fields(const Output& output) {
-  std::vector<Field> fields;
-  std::copy_if(output.fields.begin(), output.fields.end(), std::back_inserter(fields),
-               [](Field field) { return !is_basic(field); });
-  if (output.optimum_filter == OptimumFilter::taut &&
-      std::count(fields.begin(), fields.end(), Field::slack) == 0)
-    fields.push_back(Field::slack);
-  return fields;
+std::vector<Field> fields_of(const Job& job) {
+  std::vector<Field> fields = job.output.fields;
+  const std::vector<Field> deciding = deciding_fields(job);
+  fields.insert(fields.end(), deciding.begin(), deciding.end());
+  return additional_fields(fields);
 }
 
 /// Designs of a tile with the same r1 and r3 and adjacent r2.
@@ -54,38 +51,15 @@ std::vector<Row> rows_of(const std::vector<NumberedTile>& tiles, const Lattice& 
 
 /// Designs to integrate together, and their results with the fields that a job needs.
 struct Slice {
-  explicit Slice(const Job& job) : fields(additional_fields(job.output)) {}
+  explicit Slice(const Job& job) : fields(fields_of(job)) {}
+
+  Batch batch() { return {designs, swings, fields, values}; }
 
   /// Integrates the designs. Returns the number of lane steps.
   std::uint64_t integrate(const Job& job) {
     swings.resize(designs.size());
     values.resize(designs.size() * fields.size());
-    return trebsweep::integrate(job.scene, job.solver, {designs, swings, fields, values})
-        .lane_steps;
-  }
-
-  /// Calls f(k, value) with a field's values for the designs [first, first + count).
-  template <class F>
-  void for_each_value(Field field, std::size_t first, std::size_t count, F f) const {
-    const auto all = [&](auto value) {
-      for (std::size_t k = 0; k < count; ++k) f(k, value(first + k));
-    };
-    switch (field) {
-      case Field::speed:
-        return all([&](std::size_t n) { return swings[n].speed; });
-      case Field::release_time:
-        return all([&](std::size_t n) { return swings[n].release_time; });
-      case Field::status:
-        return all([&](std::size_t n) { return static_cast<double>(swings[n].status); });
-      case Field::steps:
-        return all([&](std::size_t n) { return static_cast<double>(swings[n].steps); });
-      default:
-        break;
-    }
-    const auto found = std::find(fields.begin(), fields.end(), field);
-    if (found == fields.end()) throw std::logic_error("a field that was not integrated");
-    const auto f_index = static_cast<std::size_t>(found - fields.begin());
-    all([&](std::size_t n) { return values[n * fields.size() + f_index]; });
+    return trebsweep::integrate(job.scene, job.solver, batch()).lane_steps;
   }
 
   std::vector<Field> fields;
@@ -113,27 +87,21 @@ std::vector<Row> fill(Slice& slice, const std::vector<Row>& rows, std::size_t& r
   return parts;
 }
 
-/// Adds the results of a row, which begin at index n of a slice, to its tile.
-void store(const Job& job, const Lattice& lattice, const Slice& slice, const Row& row,
-           std::size_t n, ComputedTile& tile) {
+/// Adds the results of a row and its designs' objectives to its tile.
+void store(const Job& job, const Lattice& lattice, const Batch& batch,
+           std::span<const double> objectives, const Row& row, ComputedTile& tile) {
   const std::vector<Field>& fields = job.output.fields;
   for (std::size_t f = 0; f < fields.size(); ++f) {
     double* const map = tile.maps[f].data() + row.cell;
     const bool flag = is_flag(fields[f]);
-    slice.for_each_value(fields[f], n, row.count, [&](std::size_t k, double value) {
+    for_each_value(batch, fields[f], [&](std::size_t k, double value) {
       map[k] = flag && std::isnan(value) ? 0 : value;
     });
   }
-  const bool all_compete = job.output.optimum_filter == OptimumFilter::all;
   const Index3 extent = lattice.extent();
   const std::size_t cell = (row.first[0] * extent[1] + row.first[1]) * extent[2] + row.first[2];
-  if (all_compete) {
-    for (std::size_t k = 0; k < row.count; ++k) tile.tally.add(slice.swings[n + k], cell + k, true);
-  } else {
-    slice.for_each_value(Field::slack, n, row.count, [&](std::size_t k, double slack) {
-      tile.tally.add(slice.swings[n + k], cell + k, slack == 1);  // taut
-    });
-  }
+  for (std::size_t k = 0; k < row.count; ++k)
+    tile.tally.add(batch.results[k], cell + k, objectives[k]);
 }
 
 /// Attributes lane steps to tiles in proportion to their steps. Packs cross tiles, so that they can
@@ -172,9 +140,11 @@ std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>
     const double start = MPI_Wtime();
     lane_steps += slice.integrate(job);
     count = std::min(next_count(count, MPI_Wtime() - start, 0.2), max_count);
+    const std::vector<double> values = objectives(slice.batch(), job);
     std::size_t n = 0;
     for (const Row& part : parts) {
-      store(job, lattice, slice, part, n, computed[part.tile]);
+      store(job, lattice, slice.batch().slice(n, part.count),
+            std::span(values).subspan(n, part.count), part, computed[part.tile]);
       n += part.count;
     }
   }

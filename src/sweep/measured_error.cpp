@@ -10,6 +10,7 @@
 
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/job/sample.hpp"
+#include "trebsweep/sweep/objective.hpp"
 #include "trebsweep/swing/integrate.hpp"
 #include "trebsweep/swing/reference.hpp"
 
@@ -55,23 +56,42 @@ std::vector<Design<double>> designs_at(const std::vector<Index3>& indices, const
   return designs;
 }
 
-/// Integrates designs with the job's solver and accurately. The field slack takes long.
-std::vector<Check> check(const Job& job, std::span<const Design<double>> designs, bool with_slack) {
-  std::vector<Field> fields{Field::efficiency};
-  if (with_slack) fields.push_back(Field::slack);
-  std::vector<SwingResult> results(designs.size()), accurate(designs.size());
+/// Sets the slack and the objective of checks, which take long. In a separate integration, because
+/// a field of the flight changes statuses.
+void add_objectives(const Job& job, std::span<const Design<double>> designs,
+                    std::vector<Check>& checks) {
+  std::vector<Field> fields = deciding_fields(job);
+  fields.push_back(Field::slack);
+  fields = additional_fields(fields);
+  std::vector<SwingResult> results(designs.size());
   std::vector<double> values(designs.size() * fields.size());
-  integrate(job.scene, job.solver, {designs, results, fields, values});
+  const Batch batch{designs, results, fields, values};
+  integrate(job.scene, job.solver, batch);
+  for_each_value(batch, Field::slack,
+                 [&](std::size_t i, double slack) { checks[i].slack = slack; });
+  const std::vector<double> found = objectives(batch, job);
+  for (std::size_t i = 0; i < checks.size(); ++i) checks[i].objective = found[i];
+}
+
+/// Integrates designs with the job's solver and accurately.
+std::vector<Check> check(const Job& job, std::span<const Design<double>> designs,
+                         bool with_objective) {
+  constexpr std::array fields{Field::efficiency};
+  std::vector<SwingResult> results(designs.size()), accurate(designs.size());
+  std::vector<double> efficiencies(designs.size());
+  integrate(job.scene, job.solver, {designs, results, fields, efficiencies});
   integrate_accurately(job.scene, job.solver, {designs, accurate});
   std::vector<Check> checks;
   for (std::size_t i = 0; i < designs.size(); ++i)
     checks.push_back({.design = designs[i],
                       .speed = results[i].speed,
-                      .efficiency = values[i * fields.size()],
+                      .efficiency = efficiencies[i],
                       .accurate_speed = accurate[i].speed,
-                      .slack = with_slack ? values[i * fields.size() + 1] : nan,
+                      .slack = nan,
+                      .objective = nan,
                       .status = results[i].status,
                       .accurate_status = accurate[i].status});
+  if (with_objective) add_objectives(job, designs, checks);
   return checks;
 }
 
@@ -190,12 +210,13 @@ std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
   const Shares hurried{part_size, stop_or_late, comm}, patient{part_size, stop, comm};
   ErrorSample sample;
   std::set<Index3> checked;
-  const auto add = [&](const std::vector<Index3>& indices, bool with_slack, const Shares& shares) {
+  const auto add = [&](const std::vector<Index3>& indices, bool with_objective,
+                       const Shares& shares) {
     std::set<Index3> left(indices.begin(), indices.end());
     std::erase_if(left, [&](const Index3& index) { return checked.contains(index); });
     const auto designs = designs_at({left.begin(), left.end()}, lattice);
     const auto checks = on_all_ranks(
-        designs, shares, [&](const auto& part) { return check(job, part, with_slack); });
+        designs, shares, [&](const auto& part) { return check(job, part, with_objective); });
     for (const Check& c : checks) {
       if (is_begun(c)) checked.insert(lattice.index_of(c.design));
       if (is_measured(c)) sample.checks.push_back(c);

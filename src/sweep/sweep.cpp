@@ -172,6 +172,15 @@ std::vector<std::uint64_t> gather_checksums(
   return rows;
 }
 
+/// The optimum near that of the lattice, found on rank 0; collective.
+std::optional<RefinedOptimum> refined(const Context& context, const Summary& summary) {
+  if (!context.job.optimum.refine || !summary.optimum) return std::nullopt;
+  std::optional<RefinedOptimum> found;
+  mpi::on_root(context.comm,
+               [&] { found = context.options.refine(context.job, summary.optimum->design); });
+  return mpi::from_root(found, context.comm);
+}
+
 /// Computes tiles in rounds. Each round ends with a checkpoint: maps, tallies and checksums are
 /// written and flushed, then the tiles are marked done and the marks flushed. A killed run
 /// therefore loses at most the round in progress. Collective; ends early if any rank is stopped.
@@ -283,6 +292,7 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
     summary.complete = sample.has_value();
     if (sample) {
       summary.error = sample->error;
+      summary.refined = refined(context, summary);
       summary.warnings = warnings(job, lattice, summary, sample->checks);
       archive.write(result_attributes(summary));
     }

@@ -45,12 +45,19 @@ std::vector<std::string> bounds_at(const Index3& index, const Job& job, const La
   return bounds;
 }
 
-std::string efficiency_warning(std::span<const Check> checks, double best_speed) {
+/// The largest speed of the optimum and the checked designs, m/s; 0 without a release.
+double largest_speed(const std::optional<Optimum>& optimum, std::span<const Check> checks) {
+  double largest = optimum ? optimum->speed : 0;
+  for (const Check& c : checks) largest = std::fmax(largest, c.speed);  // fmax(x, NaN) is x
+  return largest;
+}
+
+std::string efficiency_warning(std::span<const Check> checks, double largest_speed) {
   constexpr double rounding = 1e-6;
   // The efficiency of a design that hardly moves is a quotient of rounding errors.
   constexpr double moving = 1e-3;
   const auto is_impossible = [&](const Check& c) {
-    return c.efficiency > 1 + rounding && c.speed > moving * best_speed;
+    return c.efficiency > 1 + rounding && c.speed > moving * largest_speed;
   };
   const auto count = std::count_if(checks.begin(), checks.end(), is_impossible);
   if (count == 0) return "";
@@ -83,9 +90,9 @@ std::string status_warning(std::span<const Check> checks, const Solver& solver) 
       first->status == Status::step_budget ? "increase solver.max-steps" : advice(solver));
 }
 
-std::string speed_warning(const MeasuredError& error, double best_speed, const Solver& solver) {
+std::string speed_warning(const MeasuredError& error, double largest_speed, const Solver& solver) {
   constexpr double noticeable = 0.01;
-  if (!(error.largest > noticeable * best_speed)) return "";
+  if (!(error.largest > noticeable * largest_speed)) return "";
   const bool adaptive = follows_tolerance(solver.stepper);
   const std::string at_optimum =
       std::isnan(error.at_optimum)
@@ -96,19 +103,17 @@ std::string speed_warning(const MeasuredError& error, double best_speed, const S
                      error.largest, at_optimum, advice(solver));
 }
 
-std::string slack_warning(std::span<const Check> checks, double best_speed) {
-  constexpr double near = 0.95;
-  const auto is_best = [&](const Check& c) {
-    return c.speed >= near * best_speed && !std::isnan(c.slack);
-  };
+std::string slack_warning(std::span<const Check> checks, double best_value, Field objective) {
+  const double near = best_value - 0.05 * std::abs(best_value);
+  const auto is_best = [&](const Check& c) { return c.objective >= near && !std::isnan(c.slack); };
   const auto slack = std::count_if(checks.begin(), checks.end(),
                                    [&](const Check& c) { return is_best(c) && c.slack == 2; });
   if (slack == 0) return "";
   return fmt::format(
       "a sling that would go slack before the release in {} of {} designs checked within 5 % of "
-      "the optimum's speed, where the model's rigid sling pushes; the field slack marks such "
+      "the optimum's {}, where the model's rigid sling pushes; the field slack marks such "
       "designs, output.optimum = taut excludes them",
-      slack, std::count_if(checks.begin(), checks.end(), is_best));
+      slack, std::count_if(checks.begin(), checks.end(), is_best), info(objective).name);
 }
 
 }  // namespace
@@ -125,11 +130,11 @@ std::vector<std::string> warnings(const Job& job, const Lattice& lattice, const 
         !bounds.empty())
       add(fmt::format("the optimum lies on the edge of the lattice: {}", fmt::join(bounds, "; ")));
   add(status_warning(checks, job.solver));
-  if (!optimum) return lines;
-  add(efficiency_warning(checks, optimum->speed));
-  if (summary.error) add(speed_warning(*summary.error, optimum->speed, job.solver));
-  if (job.output.optimum_filter == OptimumFilter::all && job.scene.sling_stiffness == 0)
-    add(slack_warning(checks, optimum->speed));
+  const double largest = largest_speed(optimum, checks);
+  add(efficiency_warning(checks, largest));
+  if (summary.error) add(speed_warning(*summary.error, largest, job.solver));
+  if (optimum && job.output.optimum_filter == OptimumFilter::all && job.scene.sling_stiffness == 0)
+    add(slack_warning(checks, optimum->value, job.optimum.objective));
   return lines;
 }
 

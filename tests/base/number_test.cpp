@@ -50,3 +50,10 @@ TEST_CASE("Durations are in seconds, or in the colon notation of batch systems")
        {"", "0", "-5", "nan", "1:", ":30", "1-12", "1-12:00", "1:2:3:4", "1-2-3:4:5", "x", "1:-2"})
     CHECK_THROWS_WITH(seconds(text), contains(std::string("time-limit = ") + text + ": must be"));
 }
+
+TEST_CASE("Units are printed in common notation") {
+  CHECK(unit_text("m s-1") == "m/s");
+  CHECK(unit_text("rad s-1") == "rad/s");
+  CHECK(unit_text("Pa") == "Pa");
+  CHECK(unit_text("1") == "");
+}

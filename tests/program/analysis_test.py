@@ -260,6 +260,32 @@ class Heatmaps(PictureTest):
                     self.assertEqual(self.star(figure), design)
                     self.assertIn(words, figure._suptitle.get_text())
 
+    def test_the_star_of_the_objective_is_the_sweeps_optimum(self):
+        self.sweep("accurate", "--output.fields", "speed, range, status, peak-axle-load", "--optimum.objective",
+                   "range", "--optimum.subject-to", "peak-axle-load <= 180000", name="within")
+        with h5py.File(self.path("within.h5")) as file:
+            optimum = {axis: file.attrs[f"best_{axis}"] for axis in AXES}
+            shape = file["speed"].shape
+            fastest, farthest = ({axis: file[axis][i] for axis, i in zip(
+                AXES, np.unravel_index(np.nanargmax(file[name]), shape))} for name in ("speed", "range"))
+            value = file.attrs["best_value"]
+        self.assertNotEqual(optimum, farthest)
+        text = f"\u2605 optimum within the constraints: range {value:.10g} m at "
+        for field, design, words in (("range", optimum, text), ("status", optimum, text),
+                                     ("speed", fastest, "\u2605 largest: ")):
+            with self.subTest(field=field):
+                figure = self.figure("within.h5", field)
+                self.assertEqual(self.star(figure), design)
+                self.assertIn(words, figure._suptitle.get_text())
+        done = self.run_script("compare.py", "accurate.h5", "within.h5", "-o", "within.png")
+        self.assertIn(f"B         within.h5: range {value:.10g} m at ", done.stdout)
+        self.assertRegex(done.stdout, r"A         accurate.h5: [\d.]+ m/s at ")
+        self.assertEqual(self.run_script("optimum.py", "within.h5").stdout,
+                         " ".join(f"--{axis} {float(optimum[axis])!r}" for axis in AXES) + "\n")
+        self.sweep("accurate", "--optimum.subject-to", "speed >= 100", name="none")
+        self.assertIn("none.h5: has no optimum: no released design qualifies\n",
+                      self.run_command(sys.executable, f"{ANALYSIS}/optimum.py", "none.h5").stderr)
+
     def test_units_have_prefixes_that_suit_the_values(self):
         self.sweep("accurate", "--output.fields", "speed, peak-axle-load, peak-beam-stress",
                    "--scene.counterweight-mass", "5", "--scene.projectile-mass", "0.1",

@@ -198,7 +198,7 @@ class MeasuredError(CommandTest):
             for name in self.NAMES:
                 del file.attrs[name]
             columns = file["tile_tally"].attrs["columns"].split()
-            newer = ("never_lifted", "sling_too_short")
+            newer = ("never_lifted", "sling_too_short", "best_value")
             former = [i for i, name in enumerate(columns) if name not in newer and not name.startswith("first_")]
             tallies = file["tile_tally"][...][:, former]
             del file["tile_tally"]
@@ -462,7 +462,56 @@ class Sweep(CommandTest):
             if (slack == 1).any():
                 self.assertEqual(taut.attrs["best_speed"], speed[slack == 1].max())
             else:
-                self.assertIn("with a taut sling", done.stdout)
+                self.assertIn("no released design has a taut sling", done.stdout)
+
+    def test_the_optimum_has_the_largest_objective_of_the_designs_that_satisfy_the_constraints(self):
+        scene = ("--lattice.increment", "0.05", "--solver.stepper", "vern8", "--lattice.shortest-sling", "0.2")
+        fields = ("speed", "range", "efficiency", "sling-angle", "pin-angle", "arm-rate", "peak-axle-load",
+                  "least-sling-tension", "slack")
+        self.run_program("sweep", self.job, *scene, "--output.fields", ", ".join(fields), "--output.file", "all.h5")
+        with h5py.File(self.path("all.h5")) as archive:
+            maps = {field: archive[field.replace("-", "_")][...] for field in fields}
+            axes = [archive[name][...] for name in ("r1", "r3", "r2")]
+        angle, load = (float(np.nanmedian(maps[field])) for field in ("sling-angle", "peak-axle-load"))
+        for objective, taut, constraints in (
+                ("range", False, ()), ("efficiency", False, ()), ("sling-angle", False, ()),
+                ("pin-angle", False, (("pin-angle", "<=", -0.1),)),
+                ("speed", False, (("peak-axle-load", "<=", load),)),
+                ("range", True, (("peak-axle-load", "<=", load), ("least-sling-tension", ">=", 100))),
+                ("arm-rate", True, ()), ("efficiency", False, (("sling-angle", ">=", angle), ("speed", "<=", 10)))):
+            with self.subTest(objective=objective, taut=taut, constraints=constraints):
+                allowed = np.isfinite(maps[objective])
+                for field, sign, limit in constraints:
+                    allowed &= maps[field] <= limit if sign == "<=" else maps[field] >= limit
+                if taut:
+                    allowed &= maps["slack"] == 1
+                self.assertTrue(allowed.any() and not allowed.all())
+                index = np.unravel_index(np.where(allowed, maps[objective], -np.inf).argmax(), allowed.shape)
+                expected = [maps[objective][index], maps["speed"][index], *(axis[i] for axis, i in zip(axes, index))]
+                for ranks in (1, 3):
+                    done = self.run_program(
+                        "sweep", self.job, *scene, "--output.file", "best.h5", "--overwrite", "--optimum.objective",
+                        objective, "--output.optimum", "taut" if taut else "all", "--optimum.subject-to",
+                        ", ".join(f"{field} {sign} {limit!r}" for field, sign, limit in constraints), ranks=ranks)
+                    with h5py.File(self.path("best.h5")) as best:
+                        self.assertEqual([best.attrs[f"best_{name}"] for name in ("value", "speed", "r1", "r3", "r2")],
+                                         expected)
+                        self.assertEqual(best.attrs["objective"], objective)
+                        self.assertEqual(best["speed"][...].tobytes(), maps["speed"].tobytes())
+                        self.assertEqual(sorted(name for name, item in best.items() if item.shape == allowed.shape),
+                                         ["release_time", "speed", "status"])
+                    line = re.search("optimum .*", done.stdout).group()
+                    self.assertIn(line, self.run_program("info", "best.h5").stdout)
+                    self.assertEqual("subject to" in line, bool(constraints))
+
+    def test_constraints_that_no_design_satisfies_leave_no_optimum(self):
+        done = self.run_program("sweep", self.job, *COARSE, "--optimum.subject-to", "speed >= 100")
+        text = "optimum   none: no released design satisfies the constraints"
+        self.assertIn(text, done.stdout)
+        self.assertIn(text, self.run_program("info", "job.h5").stdout)
+        with h5py.File(self.path("job.h5")) as file:
+            self.assertTrue(all(np.isnan(value) for name, value in file.attrs.items() if name.startswith("best_")))
+            self.assertTrue(np.isnan(file.attrs["error_at_optimum"]) and file.attrs["error_designs"] > 0)
 
     def test_an_archive_opens_in_xarray(self):
         import xarray as xr  # slow to import, and used by two tests only
@@ -490,7 +539,8 @@ class Sweep(CommandTest):
         with h5py.File(self.path("job.h5")) as file:
             attributes = dict(file.attrs)
         self.assertEqual(attributes["Conventions"], "CF-1.10")
-        self.assertEqual(attributes["format_version"], 5)
+        self.assertEqual(attributes["format_version"], 6)
+        self.assertEqual((attributes["objective"], attributes["objective_units"]), ("speed", "m s-1"))
         self.assertRegex(attributes["source"], r"^trebsweep \d")
         self.assertIn("--scene.gravity 9.81", attributes["history"])
         self.assertIn("gravity = 9.81\n", attributes["job"])

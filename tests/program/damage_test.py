@@ -23,7 +23,7 @@ from support import REPOSITORY, DirectoryTest
 
 FIELDS = ("speed", "status", "steps")
 JOB = f"[lattice]\nincrement = 0.04\n[solver]\ntolerance = 1e-8\n[output]\nfields = {', '.join(FIELDS)}\n"
-SUMMARY = ("best_speed", "best_r1", "best_r3", "best_r2", "best_release_time", "designs", "steps")
+SUMMARY = ("best_value", "best_speed", "best_r1", "best_r3", "best_r2", "best_release_time", "designs", "steps")
 SECONDS = ("lane_steps", "integration_seconds", "sweep_seconds")  # depend on the run
 SWEEP = ("sweep", "job.cfg", "--progress", "none", "--output.file")
 
@@ -224,17 +224,20 @@ class Repairs(DamageTest):
             self.assertIn(message, self.run_program("info", "job.h5.partial", code=1).stderr)
             self.assertEqual(self.verify("job.h5.partial"), {("tile_tally", tile)})
         with h5py.File(self.path("job.h5.partial"), "r+") as partial:
-            partial["tile_tally"][0, columns.index("best_speed")] = 1e9  # possible, but wrong
+            partial["tile_tally"][0, columns.index("best_value")] = 1e9  # possible, but wrong
             partial["tile_tally"][1, columns.index("released")] = -1
         self.assertEqual(self.repair(0, ranks=2), "0 to 2")
 
 
 class OlderFormats(DirectoryTest):
-    """Sweeps of 60 designs by programs with format_version 3, before checksums, and 4, with fewer statuses."""
+    """Sweeps of 60 designs by programs with format_version 3, before checksums, 4, with fewer statuses, and 5, without an
+    objective. In version 5, the second of the two tiles has no release."""
 
     EXPECTED = {3: ("60 released\n", "optimum   10.97422340 m/s at r1 = 0.7, r2 = 0.8, r3 = 0.5 m", "not measured"),
                 4: ("5 released\n", "55 not_released\n",
-                    "optimum   1.10468865 m/s at r1 = 0.7, r2 = 0.2, r3 = 0.3 m", "largest of 5 designs")}
+                    "optimum   1.10468865 m/s at r1 = 0.7, r2 = 0.2, r3 = 0.3 m", "largest of 5 designs"),
+                5: ("6 released\n", "50 not_released\n", "4 sling_too_short\n",
+                    "optimum   14.51618864 m/s at r1 = 0.25, r2 = 1, r3 = 0.06 m", "largest of 6 designs")}
 
     @classmethod
     def setUpClass(cls):
@@ -248,20 +251,25 @@ class OlderFormats(DirectoryTest):
             text = self.run_program("info", f"version{version}.h5").stdout
             for words in (f"version{version}.h5, complete", *expected):
                 self.assertIn(words, text)
-            for script, *options in (("heatmap.py", "--field", "slack"), ("optimum.py",)):
-                script = os.path.join(REPOSITORY, "analysis", script)
-                done = self.run_command(sys.executable, script, f"version{version}.h5", *options)
-                self.assertNotIn("damaged", done.stderr)
+            script = os.path.join(REPOSITORY, "analysis", "heatmap.py")
+            done = self.run_command(sys.executable, script, f"version{version}.h5", "--field", "slack")
+            self.assertNotIn("damaged", done.stderr)
+            script = os.path.join(REPOSITORY, "analysis", "optimum.py")
+            options = self.run_command(sys.executable, script, f"version{version}.h5").stdout.split()
+            with h5py.File(self.path(f"version{version}.h5")) as file:
+                self.assertEqual(options, [word for axis in ("r1", "r3", "r2")
+                                           for word in (f"--{axis}", repr(float(file.attrs[f"best_{axis}"])))])
 
     def test_those_with_checksums_are_verified(self):
         done = self.run_program("info", "version3.h5", "--verify", code=1)
         self.assertIn("version3.h5: has no checksums (format_version 3)", done.stderr)
-        self.assertIn("every value of speed, status, slack, tile_tally is as written",
-                      self.run_program("info", "version4.h5", "--verify").stdout)
-        damaged = self.write("damaged.h5", self.read("version4.h5"))
-        with h5py.File(damaged, "r+") as file:
-            file["tile_tally"][0, -1] += 1
-        self.assertIn("damaged   tile_tally", self.run_program("info", "damaged.h5", "--verify", code=1).stdout)
+        for version in (4, 5):
+            self.assertIn("every value of speed, status, slack, tile_tally is as written",
+                          self.run_program("info", f"version{version}.h5", "--verify").stdout)
+            damaged = self.write("damaged.h5", self.read(f"version{version}.h5"))
+            with h5py.File(damaged, "r+") as file:
+                file["tile_tally"][0, -1] += 1
+            self.assertIn("damaged   tile_tally", self.run_program("info", "damaged.h5", "--verify", code=1).stdout)
 
     def test_a_complete_one_counts_as_complete(self):
         for version in self.EXPECTED:
@@ -284,7 +292,7 @@ class OlderFormats(DirectoryTest):
             self.write("job.cfg", job)
             before = self.read("job.h5.partial")
             done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
-            self.assertIn(f"job.h5.partial has format_version {version} instead of 5 and cannot be continued",
+            self.assertIn(f"job.h5.partial has format_version {version} instead of 6 and cannot be continued",
                           done.stderr)
             self.assertEqual(self.read("job.h5.partial"), before)
 

@@ -25,7 +25,7 @@ from support import JOBS, MPIEXEC, PROGRAM, DirectoryTest, mpirun
 KILLS = int(os.environ.get("TREBSWEEP_KILLS", "2"))
 SEED = int(os.environ.get("TREBSWEEP_SEED", "1"))
 MAPS = ("speed", "release_time", "status", "r1", "r3", "r2", "tile_done")
-SUMMARY = ("best_speed", "best_r1", "best_r3", "best_r2", "best_release_time", "designs", "steps",
+SUMMARY = ("best_value", "best_speed", "best_r1", "best_r3", "best_r2", "best_release_time", "designs", "steps",
            "error_median", "error_largest", "error_at_optimum", "error_designs")
 JOB = "[solver]\nstepper = fehlberg78\ntolerance = 1e-11\n"
 COMPRESSED = ("--output.compression", "1")
@@ -253,6 +253,9 @@ r2 = 0.675:1.275:0.01
 release = farthest
 [output]
 fields = speed, release-time, status, range, lift-off-time
+[optimum]
+objective = range
+subject-to = speed <= 21
 """
     VERSIONS = ((),)
 
@@ -443,14 +446,27 @@ class Partials(ResumeTest):
         self.assertEqual(self.assert_complete(), 2)
 
     def test_a_continued_sweep_computes_the_summary_without_its_maps(self):
-        options = ("--output.fields", "release-time", "--output.optimum", "taut",
-                   "--solver.tolerance", "1e-7")
-        self.run_sweep(2, *options, output="other.h5")
-        self.stop_partway(*options)
-        self.run_sweep(3, *options)
-        with h5py.File(self.path("job.h5")) as archive, h5py.File(self.path("other.h5")) as other:
-            for name in SUMMARY:
-                self.assertEqual(archive.attrs[name], other.attrs[name])
+        for optimum in (("--output.optimum", "taut"),
+                        ("--optimum.objective", "range", "--optimum.subject-to",
+                         "peak-axle-load <= 180000, least-sling-tension >= 0"),
+                        ("--optimum.objective", "pin-angle", "--optimum.subject-to", "pin-angle <= -0.1")):
+            options = ("--output.fields", "release-time", "--solver.tolerance", "1e-7", *optimum)
+            self.run_sweep(2, *options, output="other.h5")
+            self.stop_partway(*options)
+            self.run_sweep(3, *options)
+            with h5py.File(self.path("job.h5")) as archive, h5py.File(self.path("other.h5")) as other:
+                self.assertTrue(np.isfinite(other.attrs["best_value"]))
+                for name in SUMMARY:
+                    self.assertEqual(archive.attrs[name], other.attrs[name])
+            for name in ("job.h5", "other.h5"):
+                os.remove(self.path(name))
+
+    def test_a_sweep_of_another_objective_is_not_continued(self):
+        self.stop_partway()
+        for key, value, there, here in (("objective", "range", "speed", "range"),
+                                        ("subject-to", "speed <= 10", "none", "speed <= 10")):
+            errors = self.run_sweep(2, f"--optimum.{key}", value, codes=(2,))
+            self.assert_reported_once(errors, f"(optimum.{key} = {there} there, {here} here)")
 
     def test_a_reader_of_the_partial_archive_does_no_harm(self):
         self.stop_partway()

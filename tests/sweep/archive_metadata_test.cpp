@@ -30,3 +30,21 @@ TEST_CASE("The attributes of a new archive include every attribute of its result
     CHECK(std::any_of(all.begin(), all.end(),
                       [&, &key = name](const auto& each) { return each.first == key; }));
 }
+
+TEST_CASE("The attributes name the objective, and hold its best value in its unit") {
+  Job job;
+  job.optimum.objective = Field::impact_speed;
+  const auto text = [&](const char* key) {
+    for (const auto& [name, value] : root_attributes(job, "history", ""))
+      if (name == key) return std::get<std::string>(value);
+    return std::string("missing");
+  };
+  CHECK(text("objective") == "impact-speed");
+  CHECK(text("objective_units") == "m s-1");
+  Summary summary;
+  summary.optimum = {{0.5, 0.6, 0.7}, 20, 15, 1};
+  for (const auto& [name, value] : result_attributes(summary)) {
+    if (name == "best_value") CHECK(std::get<double>(value) == 20);
+    if (name == "best_speed") CHECK(std::get<double>(value) == 15);
+  }
+}

@@ -34,7 +34,7 @@ Summary summary_of(const Job& job, const Results& all) {
   Tally tally;
   for (std::size_t n = 0; n < all.designs.size(); ++n) {
     const Index3 i = lattice.index_of(all.designs[n]), extent = lattice.extent();
-    tally.add(all.swings[n], (i[0] * extent[1] + i[1]) * extent[2] + i[2]);
+    tally.add(all.swings[n], (i[0] * extent[1] + i[1]) * extent[2] + i[2], all.swings[n].speed);
   }
   return to_summary(tally, lattice.axes());
 }
@@ -118,6 +118,45 @@ TEST_CASE("The checks include a status that a single design has") {
   const auto checks = measure(job, all).checks;
   CHECK(std::count_if(checks.begin(), checks.end(),
                       [](const Check& c) { return c.status == Status::not_released; }) == 1);
+}
+
+TEST_CASE("The objective is that of designs that satisfy the constraints, next to the optimum") {
+  Job job = medium_job();
+  job.optimum = {Field::range, {{Field::peak_axle_load, true, 1.5e5}}};
+  const auto checks = measure(job, integrate_all(job)).checks;
+  const std::array fields{Field::range, Field::peak_axle_load};
+  int satisfied = 0, violated = 0;
+  for (const Check& c : checks) {
+    if (std::isnan(c.slack)) {
+      CHECK(std::isnan(c.objective));
+      continue;
+    }
+    std::array<double, 2> values{};
+    SwingResult result{};
+    integrate(job.scene, job.solver, {{&c.design, 1}, {&result, 1}, fields, values});
+    const bool satisfies = values[1] <= 1.5e5;
+    ++(satisfies ? satisfied : violated);
+    CHECK((satisfies ? c.objective == values[0] : std::isnan(c.objective)));
+  }
+  CHECK(satisfied + violated >= 8);
+  CHECK(violated > 0);
+}
+
+TEST_CASE("With an objective of the flight, releases below the ground count as accurate releases") {
+  Job job;
+  job.scene.fulcrum_height = 0.1;
+  job.scene.release_height = 0.5;
+  job.lattice.r1 = AxisRange{0.51, 0.51, 1};
+  job.lattice.r3 = AxisRange{2.5, 3, 0.0001};
+  job.lattice.r2 = AxisRange{0.4, 0.4, 1};
+  job.optimum.objective = Field::range;
+  const auto checks = measure(job, integrate_all(job)).checks;
+  int without_range = 0;
+  for (const Check& c : checks) {
+    CHECK(c.status == c.accurate_status);
+    without_range += !std::isnan(c.slack) && std::isnan(c.objective);
+  }
+  CHECK(without_range > 0);
 }
 
 TEST_CASE("Every design of a lattice without a release is checked, and no error is measured") {

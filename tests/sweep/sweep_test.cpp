@@ -176,7 +176,19 @@ TEST_CASE("A sweep without a release has no optimum") {
   const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
   REQUIRE(summary);
   CHECK_FALSE(summary->optimum);
-  CHECK_THAT(to_text(*summary, job.output.optimum_filter), contains("optimum   none"));
+  CHECK_THAT(to_text(*summary, job), contains("optimum   none"));
+}
+
+TEST_CASE("The fields that decide about the optimum are not stored unless they are requested") {
+  const TemporaryFile file("deciding");
+  Job job = coarse_job(file);
+  job.optimum = {Field::range, {{Field::peak_axle_load, true, 2e5}}};
+  sweep(job, quiet(), MPI_COMM_WORLD);
+  if (root()) {
+    CHECK_NOTHROW(read_map(file.path(), "speed"));
+    CHECK_THROWS(read_map(file.path(), "range"));
+    CHECK_THROWS(read_map(file.path(), "peak_axle_load"));
+  }
 }
 
 TEST_CASE("Only the requested maps are stored") {

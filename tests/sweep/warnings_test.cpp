@@ -1,5 +1,8 @@
 #include "trebsweep/sweep/warnings.hpp"
 
+#include <array>
+#include <limits>
+
 #include "support/catch.hpp"
 #include "support/paper_solver.hpp"
 #include "trebsweep/job/sample.hpp"
@@ -9,6 +12,8 @@ using namespace trebsweep;
 
 namespace {
 
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+
 /// Integrates a job's whole lattice and returns its warnings.
 std::vector<std::string> warnings_of(const Job& job) {
   const Lattice lattice(job.scene, job.lattice);
@@ -17,7 +22,7 @@ std::vector<std::string> warnings_of(const Job& job) {
     SwingResult result;
     integrate(job.scene, job.solver, {{&design, 1}, {&result, 1}});
     if (has_speed(result.status) && (!summary.optimum || result.speed > summary.optimum->speed))
-      summary.optimum = {design, result.speed, result.release_time};
+      summary.optimum = {design, result.speed, result.speed, result.release_time};
   }
   const auto never = [] { return false; };
   const auto sample = measure_error(job, lattice, summary, never, MPI_COMM_WORLD);
@@ -95,7 +100,7 @@ TEST_CASE("The warning about an edge gives the bound of r1 with a hanger or a st
   const auto edge_of = [](const Job& job, std::size_t i1) {
     const Lattice lattice(job.scene, job.lattice);
     Summary summary;
-    summary.optimum = {lattice.design({i1, 5, 1}), 1, 1};
+    summary.optimum = {lattice.design({i1, 5, 1}), 1, 1, 1};
     const auto lines = warnings(job, lattice, summary, {});
     return lines.empty() ? "" : lines[0];
   };
@@ -115,6 +120,42 @@ TEST_CASE("Without checks only the edges of the lattice are reported") {
   const Lattice lattice(job.scene, job.lattice);
   Summary summary;
   CHECK(warnings(job, lattice, summary, {}).empty());
-  summary.optimum = {lattice.design({0, 0, 0}), 1, 1};
+  summary.optimum = {lattice.design({0, 0, 0}), 1, 1, 1};
   CHECK(warnings(job, lattice, summary, {}).size() == 1);
+}
+
+TEST_CASE("Errors and efficiencies are judged by the largest speed, not that of the optimum") {
+  const Job job = coarse_job();
+  const Lattice lattice(job.scene, job.lattice);
+  const Design<double> design = lattice.design({4, 5, 1});
+  const Check fast{design, 17, 0.5, 17, 1, no_value, Status::released, Status::released};
+  const Check slow{design, 1e-3, 1.5, 1e-3, 1, no_value, Status::released, Status::released};
+  Summary summary;
+  summary.optimum = {design, 5, 1e-3, 1};  // of an objective that is best in a slow design
+  summary.error = MeasuredError{0, 0.1, 0, 2};
+  CHECK(warnings(job, lattice, summary, std::array{fast, slow}).empty());
+  summary.error->largest = 0.2;
+  for (const auto& optimum : {summary.optimum, std::optional<Optimum>{}}) {
+    summary.optimum = optimum;
+    CHECK(count(warnings(job, lattice, summary, std::array{fast}), "the tolerance is loose") == 1);
+  }
+  CHECK(count(warnings(job, lattice, summary, std::array{slow}), "efficiency above 1") == 1);
+}
+
+TEST_CASE("Slack slings are reported of designs close to the optimum in its objective") {
+  Job job = coarse_job();
+  job.optimum.objective = Field::sling_angle;
+  const Lattice lattice(job.scene, job.lattice);
+  const Design<double> design = lattice.design({4, 5, 1});
+  Summary summary;
+  summary.optimum = {design, -2, 10, 1};
+  const auto report = [&](double objective) {
+    const Check slack{design, 10, 0.5, 10, 2, objective, Status::released, Status::released};
+    return warnings(job, lattice, summary, std::array{slack});
+  };
+  REQUIRE(report(-2.09).size() == 1);
+  CHECK_THAT(report(-2.09)[0], contains("in 1 of 1 designs checked within 5 % of the optimum's "
+                                        "sling-angle, where"));
+  CHECK(report(-2.11).empty());
+  CHECK(report(no_value).empty());  // it violates a constraint
 }

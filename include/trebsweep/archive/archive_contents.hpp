@@ -28,6 +28,7 @@ struct ArchiveContents {
   std::uint64_t tiles_done = 0;   ///< leading tiles that are marked done
   std::vector<TallyRow> tallies;  ///< of the tiles done, as stored
   std::optional<MeasuredError> error;
+  std::optional<RefinedOptimum> refined;
 
   bool complete() const { return tiles_done == tiles; }
 

@@ -14,11 +14,19 @@
 
 namespace trebsweep {
 
-/// The design with the highest release speed.
+/// The design with the largest objective among those that have a release and satisfy the job's
+/// constraints.
 struct Optimum {
   Design<double> design;
+  double value;         ///< the objective, in the unit of its field
   double speed;         ///< m/s
   double release_time;  ///< s
+};
+
+/// An optimum between the designs of a lattice, and the error of its value.
+struct RefinedOptimum {
+  Optimum optimum;
+  double error;  ///< in the unit of the value
 };
 
 /// The error of a sweep's speeds, measured on a sample of the lattice.
@@ -34,7 +42,8 @@ struct Summary {
   std::array<std::uint64_t, status_names.size()> statuses{};  ///< designs of each Status
   std::uint64_t steps = 0;                                    ///< steps tried, over all designs
   std::uint64_t lane_steps = 0;                   ///< steps of all lanes, including idle ones
-  std::optional<Optimum> optimum;                 ///< nothing if no design has a speed
+  std::optional<Optimum> optimum;                 ///< nothing if no design qualifies
+  std::optional<RefinedOptimum> refined;          ///< nothing if it was not searched for
   std::vector<Design<double>> first_of_statuses;  ///< the first design of each status that occurs
   std::optional<MeasuredError> error;             ///< nothing if it was not measured
   std::vector<std::string> warnings;              ///< reasons to doubt the result, a line for each
@@ -56,6 +65,6 @@ Summary to_summary(const Tally& tally, const std::array<std::vector<double>, 3>&
 Summary combine(const Tally& tally, const Lattice& lattice, MPI_Comm comm);
 
 /// The summary as lines of text for the user, without a newline after the last.
-std::string to_text(const Summary& summary, OptimumFilter optimum_filter);
+std::string to_text(const Summary& summary, const Job& job);
 
 }  // namespace trebsweep

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -21,8 +22,10 @@ struct Tally {
   std::array<std::uint64_t, status_names.size()> statuses{};  ///< designs of each Status
   std::uint64_t steps = 0;                                    ///< steps tried, over all designs
   std::uint64_t lane_steps = 0;  ///< steps of all lanes, including idle ones
-  double best_speed = -1;        ///< m/s; -1 if no design has a speed
-  double best_time = -1;         ///< release time of the best design, s
+  /// The objective of the best design, in the unit of its field; -infinity if there is none.
+  double best_value = -std::numeric_limits<double>::infinity();
+  double best_speed = std::numeric_limits<double>::quiet_NaN();  ///< of the best design, m/s
+  double best_time = std::numeric_limits<double>::quiet_NaN();   ///< its release time, s
   std::uint64_t best_cell = no_cell;
   /// The lowest index of a design of each Status.
   std::array<std::uint64_t, status_names.size()> first_cells = [] {
@@ -36,10 +39,11 @@ struct Tally {
 
   std::uint64_t designs() const;
 
-  /// Adds the result of one design. `cell` is its index in the flattened lattice box, r2 fastest;
-  /// of designs with equal speeds the one with the lowest index is the best. A design that does not
-  /// compete is counted but cannot be the best.
-  void add(const SwingResult& result, std::uint64_t cell, bool competes = true);
+  /// Adds the result of one design. `cell` is its index in the flattened lattice box, r2 fastest,
+  /// and `value` its objective; of designs with equal objectives the one with the lowest index is
+  /// the best. A design without a release, or with an infinite or NaN objective, is counted but
+  /// cannot be the best.
+  void add(const SwingResult& result, std::uint64_t cell, double value);
 
   void add(const Tally& other);
 };
@@ -47,8 +51,8 @@ struct Tally {
 /// The columns of tile_tally in the archive: the number of designs of each status, the rest, and
 /// the lowest index of a design of each status.
 inline constexpr auto tally_columns = [] {
-  constexpr std::array<std::string_view, 7> rest{
-      "steps",     "lane_steps",          "best_speed",   "best_release_time",
+  constexpr std::array<std::string_view, 8> rest{
+      "steps",     "lane_steps",          "best_value",   "best_speed", "best_release_time",
       "best_cell", "integration_seconds", "sweep_seconds"};
   constexpr std::array<std::string_view, 10> first_cells{
       "first_outside_lattice", "first_released",
@@ -72,6 +76,10 @@ TallyRow to_row(const Tally& tally);
 /// The positions in a TallyRow of the columns of tile_tally in archives of a format version, one
 /// that can be read.
 std::vector<std::size_t> stored_columns(unsigned long long format_version);
+
+/// The tally in a row of tile_tally of an archive of a format version, with the values of its
+/// stored_columns().
+TallyRow to_current_row(std::span<const double> stored, unsigned long long format_version);
 
 /// Throws std::runtime_error if the row holds an invalid count.
 Tally to_tally(const TallyRow& row);

@@ -18,11 +18,16 @@ inline constexpr std::array<std::string_view, 6> job_sections{"scene",  "lattice
 struct Key {
   std::string name;         ///< "section.key"
   std::string placeholder;  ///< of its value, in help: "NUMBER"
-  std::string help;         ///< its meaning, its unit and what is allowed
+  std::string meaning;      ///< in words
+  std::string unit;         ///< of a number: "kg"; empty if it has none
+  std::string allowed;      ///< the values allowed
   /// Throws InputError naming the key, the value and what is allowed.
   std::function<void(Job&, const std::string&)> set;
   /// The value as text that `set` accepts; empty if an optional key is not set.
   std::function<std::string(const Job&)> get;
+
+  /// Its meaning, its unit and what is allowed.
+  std::string help() const;
 
   std::string section() const { return name.substr(0, name.find('.')); }
 };

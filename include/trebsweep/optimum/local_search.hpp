@@ -5,10 +5,11 @@
 
 namespace trebsweep {
 
-/// The local optimum that a search from x reaches. NLopt's CCSAQ (K. Svanberg, SIAM J. Optim. 12
-/// (2002) 555) comes close to it and Newton's method makes it exact. The best point of a small
-/// lattice around it must not be better; otherwise the search continues from there. Without a
-/// feasible point, the one with the smallest violation.
+/// The local optimum that a search from x reaches. MMA comes close to it and Newton's method makes
+/// it exact. The best point of a small lattice around it must not be better; otherwise the search
+/// continues from there. Without a feasible point, the one with the smallest violation. Not
+/// converged where Newton's method fails, because functions have a kink or no value next to the
+/// optimum; its multipliers are then zero.
 KktPoint search(const NonlinearProgram& program, const Eigen::VectorXd& x);
 
 }  // namespace trebsweep

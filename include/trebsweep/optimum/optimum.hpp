@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "trebsweep/archive/summary.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/optimum/allowance.hpp"
 #include "trebsweep/optimum/robust.hpp"
@@ -58,14 +59,9 @@ struct OptimumResult {
 /// satisfies the constraints. Collective.
 std::optional<OptimumResult> find_optimum(const Job& job, bool own_lattice, MPI_Comm comm);
 
-/// The local optimum near a design, and its release time: what a sweep refines.
-struct RefinedOptimum {
-  Design<double> design;
-  double value, speed, release_time;
-};
-
-/// The continuous optimum of a job's design space that a search from a design reaches; nothing if
-/// it reaches no feasible one.
+/// The optimum of a job's design space that a search from a design of its lattice reaches; nothing
+/// if that is not feasible. The error is the difference from another stepper, both at a tolerance
+/// of 1e-13.
 std::optional<RefinedOptimum> refine(const Job& job, const Design<double>& start);
 
 }  // namespace trebsweep

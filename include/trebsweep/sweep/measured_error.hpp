@@ -17,7 +17,9 @@ namespace trebsweep {
 struct Check {
   Design<double> design;
   double speed, efficiency, accurate_speed;
-  double slack;  ///< the field; NaN where it was not computed
+  /// The field and objectives(), computed only of the optimum, its neighbours and the first design
+  /// of each status; else NaN.
+  double slack, objective;
   Status status, accurate_status;
 
   /// m/s; NaN if either swing has no release.

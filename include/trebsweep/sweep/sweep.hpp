@@ -19,6 +19,8 @@ struct SweepOptions {
   ProgressStyle progress = ProgressStyle::automatic;
   std::string command;                   ///< the command line, for the archive's history
   std::optional<Index3> tile_edge = {};  ///< largest extent of a tile; chosen if not given
+  /// Finds the optimum near a design, between those of the lattice; for jobs with optimum.refine.
+  std::function<std::optional<RefinedOptimum>(const Job&, const Design<double>&)> refine = {};
   std::function<bool()> stop = [] { return false; };  ///< polled on every rank
 };
 
