@@ -34,11 +34,12 @@ Point best_around(const NonlinearProgram& program, const Point& centre, double s
   return best;
 }
 
-/// The best point of finer and finer lattices: for functions with a kink at the optimum.
+/// The best point of finer and finer lattices: for functions with a kink at the optimum. A function
+/// with noise may improve at every step.
 Point zoom(const NonlinearProgram& program, Point point) {
   constexpr int max_steps = 60;
   double spacing = 1e-2;
-  for (int step = 0; spacing > 1e-10 && step < max_steps; ++step) {
+  for (int step = 0; step < max_steps && spacing > 1e-10; ++step) {
     const Point best = best_around(program, point, spacing, 2);
     if (is_better(best, point))
       point = best;

@@ -63,13 +63,8 @@ Step equality_step(const Inequalities& c, const VectorXd& multipliers,
     right(n + k) = -c.values(i);
   }
   right(n - 1) = -1;  // the gradient of t
-<<<<<<< HEAD
-  const VectorXd solution = kkt.completeOrthogonalDecomposition().solve(right);
-  Step step{solution.head(n), VectorXd::Zero(c.values.size()), (kkt * solution - right).norm()};
-=======
   const VectorXd solution = kkt.fullPivLu().solve(right);
-  Step step{solution.head(n), VectorXd::Zero(c.values.size())};
->>>>>>> main
+  Step step{solution.head(n), VectorXd::Zero(c.values.size()), (kkt * solution - right).norm()};
   for (Index k = 0; k < m; ++k)
     step.multipliers(active[static_cast<std::size_t>(k)]) = solution(n + k);
   return step;
@@ -119,6 +114,7 @@ std::vector<Index> nearly_active(const NonlinearProgram& program, const Inequali
 KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   constexpr int max_iterations = 12;
   constexpr double enough = 1e-11, converged = 1e-7;  // lengths of the last step
+  constexpr double max_residual = 1e-6;
   const Index n = program.variables();
   KktPoint solution{start, VectorXd::Zero(program.constraints + 2 * n), false};
   double reach = 0.05;  // the longest step allowed
@@ -143,15 +139,9 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
       reach = length / 4;
       continue;
     }
-<<<<<<< HEAD
-    solution.point = point;
-    solution.multipliers = multipliers.tail(solution.multipliers.size());
-    solution.converged = length < 1e-8 && step.residual < 1e-6;
-    if (length < 1e-11) break;
-=======
-    solution = {point, multipliers.tail(solution.multipliers.size()), length < converged};
+    solution = {point, multipliers.tail(solution.multipliers.size()),
+                length < converged && step.residual < max_residual};
     if (length < enough) break;
->>>>>>> main
   }
   return solution;
 }
