@@ -1,0 +1,51 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "trebsweep/job/job.hpp"
+#include "trebsweep/job/key.hpp"
+#include "trebsweep/swing/integrate.hpp"
+
+namespace trebsweep {
+
+/// The values of a field at designs, by another stepper than the search's; NaN without a release.
+inline std::vector<double> accurate_values(const Job& job, Field field,
+                                           std::span<const Design<double>> designs) {
+  std::vector<SwingResult> swings(designs.size());
+  std::vector<double> values(is_basic(field) ? 0 : designs.size());
+  const std::array fields{field};
+  const Solver solver = solver_of("vern8", 1e-13, job.solver);  // so that it is not vern8
+  integrate_accurately(job.scene, solver,
+                       {designs, swings, std::span(fields).first(values.empty() ? 0 : 1), values});
+  if (values.empty())
+    for (const SwingResult& swing : swings)
+      values.push_back(field == Field::speed ? swing.speed : swing.release_time);
+  for (std::size_t i = 0; i < designs.size(); ++i)
+    if (!has_speed(swings[i].status)) values[i] = std::numeric_limits<double>::quiet_NaN();
+  return values;
+}
+
+inline double accurate_value(const Job& job, Field field, const Design<double>& design) {
+  return accurate_values(job, field, {&design, 1})[0];
+}
+
+/// The designs of a cube with `width` points along each edge around a centre.
+inline std::vector<Design<double>> cube(const Design<double>& centre, double spacing, int width) {
+  std::vector<Design<double>> designs;
+  const auto offset = [&](int i) { return spacing * (i - (width - 1) / 2.0); };
+  for (int i = 0; i < width; ++i)
+    for (int j = 0; j < width; ++j)
+      for (int k = 0; k < width; ++k)
+        designs.push_back({centre.r1 + offset(i), centre.r3 + offset(j), centre.r2 + offset(k)});
+  return designs;
+}
+
+/// A job with options of the command line, and one with the text of a job file.
+inline Job job_with(const Overrides& options) { return parse_job("", "job.cfg", options); }
+inline Job job_from(const std::string& text) { return parse_job(text, "job.cfg", {}); }
+
+}  // namespace trebsweep

@@ -1,0 +1,92 @@
+#include "trebsweep/optimum/robust.hpp"
+
+#include "optimum/jobs.hpp"
+#include "support/catch.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+constexpr int width = 21;
+
+/// The smallest of the values on a lattice of a box, and their mean by Simpson's rule.
+Robustness brute_force(const Job& job, const Design<double>& design, double deviation) {
+  const auto designs = cube(design, 2 * deviation / (width - 1), width);
+  const auto values = accurate_values(job, job.optimum.objective, designs);
+  const auto weight = [](int i) {
+    const int simpson = i == 0 || i == width - 1 ? 1 : i % 2 == 1 ? 4 : 2;
+    return simpson / (3.0 * (width - 1));
+  };
+  double mean = 0;
+  for (int n = 0; n < width * width * width; ++n)
+    mean += weight(n / width / width) * weight(n / width % width) * weight(n % width) *
+            values[static_cast<std::size_t>(n)];
+  return {*std::ranges::min_element(values), mean};
+}
+
+Robustness robustness(const Job& job, const Design<double>& design, double deviation) {
+  std::uint64_t integrated = 0;
+  return robustness(design_problem(job, design), design, deviation, integrated);
+}
+
+}  // namespace
+
+TEST_CASE("Worst and expected value agree with brute force over the box to 1e-6") {
+  const Job speed, range = job_with({{"optimum.objective", "range"}});
+  const Job fixed = job_with({{"lattice.r3", "0.6"}});  // may be off all the same
+  for (const Job& job : {speed, range, fixed})
+    for (const Design<double>& design :
+         {Design<double>{0.52, 0.6, 0.9}, Design<double>{0.8, 0.6, 0.7}}) {
+      const auto found = robustness(job, design, 0.01), exact = brute_force(job, design, 0.01);
+      CHECK(found.worst <= exact.worst + 1e-9);
+      CHECK(found.worst == Approx(exact.worst).epsilon(0).margin(1e-6));
+      CHECK(found.expected == Approx(exact.expected).epsilon(0).margin(1e-6));
+    }
+}
+
+TEST_CASE("A worst value inside the box is found between the points of a lattice") {
+  // The range has a minimum where the projectile flies straight up.
+  const Job job = job_with({{"optimum.objective", "range"}, {"optimum.subject-to", "speed >= 1"}});
+  const Design<double> design{0.7, 0.9, 0.5};
+  const auto found = robustness(job, design, 0.05), exact = brute_force(job, design, 0.05);
+  CHECK(found.worst <= exact.worst + 1e-9);
+  CHECK(found.worst == Approx(exact.worst).epsilon(1e-3));
+}
+
+TEST_CASE("There is no robustness where a design in the box has no release") {
+  const auto found = robustness(Job{}, {0.505, 0.58, 0.9}, 0.01);  // r1 < h - h0 = 0.5 m
+  CHECK(std::isnan(found.worst));
+  CHECK(std::isnan(found.expected));
+}
+
+TEST_CASE("No design nearby has a better worst case or expected value than the one found") {
+  constexpr double deviation = 0.005;
+  const Job plain;
+  const Job limited = job_with({{"optimum.subject-to", "peak-axle-load <= 1.6e5"}});
+  for (const Job& job : {plain, limited})
+    for (const Robust robust : {Robust::worst, Robust::expected}) {
+      const DesignProblem problem = design_problem(job, {0.55, 0.6, 0.85});
+      std::uint64_t integrated = 0;
+      const auto merit = [&](const Design<double>& design) {
+        const auto [worst, expected] = robustness(problem, design, deviation, integrated);
+        return robust == Robust::worst ? worst : expected;
+      };
+      const auto is_allowed = [&](const Design<double>& design) {
+        if (design.r2 + design.r3 > *problem.space.longest_sum) return false;
+        for (const Constraint& c : problem.constraints)
+          for (const double value : accurate_values(job, c.field, cube(design, deviation, 3)))
+            if (!(violation(c, value) <= 1e-7 * std::abs(c.limit))) return false;
+        return true;
+      };
+      const KktPoint found =
+          robust_search(problem, {0.55, 0.6, 0.85}, robust, deviation, integrated);
+      REQUIRE(is_feasible(found.point));
+      const Design<double> design = to_design(problem, found.point.x);
+      CHECK(is_allowed(design));
+      const double best = merit(design);
+      CHECK(found.point.objective * problem.scales[0] == Approx(best).epsilon(1e-9));
+      for (const double spacing : {1e-3, 1e-5})
+        for (const Design<double>& other : cube(design, spacing, 3))
+          if (is_allowed(other)) CHECK(merit(other) <= best + 1e-9);
+    }
+}
