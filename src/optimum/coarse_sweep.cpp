@@ -144,7 +144,9 @@ CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, MPI_Comm comm)
   std::vector<std::size_t> maxima = local_maxima(lattice, merit);
   std::ranges::stable_sort(
       maxima, [&](std::size_t a, std::size_t b) { return is_better(merit[a], merit[b]); });
-  CoarseSweep sweep{.increment = spec.increment, .designs = designs.size(), .maxima = {}};
+  CoarseSweep sweep{.increment = designs.size() > 1 ? spec.increment : 0,
+                    .designs = designs.size(),
+                    .maxima = {}};
   for (const std::size_t m : maxima) sweep.maxima.push_back(designs[m]);
   return sweep;
 }

@@ -34,27 +34,28 @@ Point best_around(const NonlinearProgram& program, const Point& centre, double s
   return best;
 }
 
-/// The best point of finer and finer lattices: for functions with a kink at the optimum. A function
-/// with noise may improve at every step.
+/// Whether a is better than b by more than a part of its objective.
+bool is_better_by(double part, const Point& a, const Point& b) {
+  if (!is_feasible(a) || !is_feasible(b)) return is_better(a, b);
+  return a.objective - b.objective > part * std::abs(b.objective);
+}
+
+/// Whether a is better than b by more than violations within feasibility_tolerance may gain.
+bool is_clearly_better(const Point& a, const Point& b) { return is_better_by(1e-8, a, b); }
+
+/// The best point of finer and finer lattices: for functions with a kink at the optimum.
 Point zoom(const NonlinearProgram& program, Point point) {
+  constexpr double noise = 1e-11, finest = 1e-9;
   constexpr int max_steps = 60;
   double spacing = 1e-2;
-  for (int step = 0; step < max_steps && spacing > 1e-10; ++step) {
+  for (int step = 0; step < max_steps && spacing > finest; ++step) {
     const Point best = best_around(program, point, spacing, 2);
-    if (is_better(best, point))
+    if (is_better_by(noise, best, point))
       point = best;
     else
       spacing /= 3;
   }
   return point;
-}
-
-/// Whether a is better than b by more than it may gain from violations within
-/// feasibility_tolerance.
-bool is_clearly_better(const Point& a, const Point& b) {
-  constexpr double gain = 1e-8;  // relative
-  if (!is_feasible(a) || !is_feasible(b)) return is_better(a, b);
-  return a.objective - b.objective > gain * std::abs(b.objective);
 }
 
 /// A point with values close to x, or x itself if there is none.

@@ -29,6 +29,7 @@ constexpr std::size_t max_starts = 16;
 struct Found {
   std::array<double, 3> x;
   double objective, violation;
+  bool converged;
   std::uint64_t integrated;
 };
 
@@ -38,27 +39,26 @@ std::vector<Found> search_from(const std::vector<Design<double>>& starts, MPI_Co
                                Search search) {
   return mpi::share(starts.size(), comm, [&](std::size_t i) {
     Found found{};
-    const Point point = search(starts[i], found.integrated).point;
+    const auto [point, multipliers, converged] = search(starts[i], found.integrated);
     std::ranges::copy(point.x, found.x.begin());
     found.objective = point.objective;
     found.violation = point.violation;
+    found.converged = converged;
     return found;
   });
 }
 
 /// The distinct feasible points, best first, each with the number of searches that ended there.
-std::vector<LocalMaximum> distinct(const std::vector<Found>& found, const DesignProblem& problem) {
+/// Searches that did not converge may have stopped on the way: only the best point is kept of them.
+std::vector<LocalMaximum> distinct(std::vector<Found> found, const DesignProblem& problem) {
   constexpr double same = 1e-4;  // m
-  std::vector<LocalMaximum> all;
-  for (const Found& f : found) {
-    const auto n = static_cast<Index>(problem.variables.size());
-    const Point point{Eigen::Map<const VectorXd>(f.x.data(), n), f.objective, f.violation};
-    if (is_feasible(point))
-      all.push_back({to_design(problem, point.x), f.objective * problem.scales.front(), 1});
-  }
-  std::ranges::stable_sort(all, std::greater{}, &LocalMaximum::value);
+  const auto n = static_cast<Index>(problem.variables.size());
+  std::erase_if(found, [](const Found& f) { return f.violation > feasibility_tolerance; });
+  std::ranges::stable_sort(found, std::greater{}, &Found::objective);
   std::vector<LocalMaximum> maxima;
-  for (const LocalMaximum& m : all) {
+  for (const Found& f : found) {
+    const LocalMaximum m{to_design(problem, Eigen::Map<const VectorXd>(f.x.data(), n)),
+                         f.objective * problem.scales.front(), 1};
     const auto is_same = [&](const LocalMaximum& known) {
       const auto [a, b] = std::pair(known.design, m.design);
       return std::hypot(a.r1 - b.r1, a.r3 - b.r3, a.r2 - b.r2) < same;
@@ -66,7 +66,7 @@ std::vector<LocalMaximum> distinct(const std::vector<Found>& found, const Design
     const auto known = std::ranges::find_if(maxima, is_same);
     if (known != maxima.end())
       ++known->starts;
-    else
+    else if (f.converged || maxima.empty())
       maxima.push_back(m);
   }
   return maxima;
@@ -105,10 +105,11 @@ void add_value(const DesignProblem& problem, OptimumResult& result) {
   const std::array fields{result.objective, Field::release_time};
   const MatrixXd values =
       field_values(problem.scene, problem.solver, Accuracy::high, {&result.design, 1}, fields);
-  const Reference exact = reference(problem.scene, result.design, problem.solver);  // TODO
+  const ReferenceValue exact =
+      reference_values(problem.scene, result.design, problem.solver, {fields.data(), 1}).front();
   result.value = values(0);
   result.release_time = values(1);
-  result.error = std::abs(result.value - exact.speed) + exact.speed_bound;
+  result.error = std::abs(result.value - exact.value) + exact.bound;
 }
 
 /// The derivatives of the optimum with respect to all limits; the active ones are added.

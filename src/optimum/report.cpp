@@ -95,9 +95,11 @@ std::string to_text(const OptimumResult& result, const Job& job) {
                         job.optimum.deviation, result.robustness->worst,
                         result.robustness->expected, unit);
   text += maxima_text(result);
-  text += fmt::format("designs    {}, those of the coarse sweep with a spacing of {} m\n",
-                      result.designs, result.coarse_increment);
-  text += fmt::format("seconds    {:.2f}\n\n", result.seconds);
+  text += fmt::format("designs    {}", result.designs);
+  if (result.coarse_increment > 0)
+    text +=
+        fmt::format(", those of the coarse sweep with a spacing of {} m", result.coarse_increment);
+  text += fmt::format("\nseconds    {:.2f}\n\n", result.seconds);
   return text + sensitivities_text(result);
 }
 

@@ -11,12 +11,16 @@ namespace {
 
 using Quad = boost::multiprecision::cpp_bin_float_quad;
 
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double loose_tolerance = 1e-14, tight_tolerance = 1e-16;
+
 template <Effects E>
 Outcome<Quad, E> swing_at(double tolerance, const Scene& scene, const Design<double>& design,
-                          Solver solver) {
+                          Solver solver, std::span<const Field> fields = {},
+                          std::span<double> values = {}) {
   solver.release = located(solver.release);
   solver.tolerance = tolerance;
-  return swing_by<Quad, E>(Vern8<Quad, E>(), scene, design, solver);
+  return swing_by<Quad, E>(Vern8<Quad, E>(), scene, design, solver, {}, fields, values);
 }
 
 /// A bound of the error of a result: its distance from the other one, plus rounding to double.
@@ -25,13 +29,27 @@ double bound(const Quad& result, const Quad& other) {
          std::numeric_limits<double>::epsilon() / 2 * std::abs(static_cast<double>(result));
 }
 
+/// The values of fields of a swing at a tolerance, rounded to double; NaN without a release.
+std::vector<double> values_at(double tolerance, const Scene& scene, const Design<double>& design,
+                              const Solver& solver, std::span<const Field> fields) {
+  return with_effects(scene, [&]<Effects E>() {
+    std::vector<double> values(fields.size(), nan);
+    const auto outcome = swing_at<E>(tolerance, scene, design, solver, fields, values);
+    if (!has_speed(outcome.status)) return std::vector<double>(fields.size(), nan);
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      if (fields[i] == Field::speed) values[i] = static_cast<double>(outcome.speed);
+      if (fields[i] == Field::release_time) values[i] = static_cast<double>(outcome.t);
+    }
+    return values;
+  });
+}
+
 }  // namespace
 
 Reference reference(const Scene& scene, const Design<double>& design, const Solver& solver) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   return with_effects(scene, [&]<Effects E>() {
-    const auto loose = swing_at<E>(1e-14, scene, design, solver);
-    const auto tight = swing_at<E>(1e-16, scene, design, solver);
+    const auto loose = swing_at<E>(loose_tolerance, scene, design, solver);
+    const auto tight = swing_at<E>(tight_tolerance, scene, design, solver);
     Reference r{tight.status, nan, nan, {}, nan, nan};
     for (std::size_t i = 0; i < coordinates<E>; ++i)
       r.state[i] = static_cast<long double>(tight.x[i]);
@@ -45,6 +63,19 @@ Reference reference(const Scene& scene, const Design<double>& design, const Solv
   });
 }
 
+std::vector<ReferenceValue> reference_values(const Scene& scene, const Design<double>& design,
+                                             const Solver& solver, std::span<const Field> fields) {
+  const auto loose = values_at(loose_tolerance, scene, design, solver, fields);
+  const auto tight = values_at(tight_tolerance, scene, design, solver, fields);
+  std::vector<ReferenceValue> values;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    // Both values are rounded, and the tighter one is reported.
+    const double rounding = 1.5 * std::numeric_limits<double>::epsilon() * std::abs(tight[i]);
+    values.push_back({tight[i], std::abs(tight[i] - loose[i]) + rounding});
+  }
+  return values;
+}
+
 double speed_in_extended_precision(const Scene& scene, const Design<double>& design,
                                    double tolerance, const Solver& solver) {
   return with_effects(scene, [&]<Effects E>() {
@@ -53,8 +84,7 @@ double speed_in_extended_precision(const Scene& scene, const Design<double>& des
     limits.release = located(limits.release);
     limits.tolerance = tolerance;
     const auto outcome = swing_by<long double, E>(Vern8<long double, E>(), scene, design, limits);
-    return has_speed(outcome.status) ? static_cast<double>(outcome.speed)
-                                     : std::numeric_limits<double>::quiet_NaN();
+    return has_speed(outcome.status) ? static_cast<double>(outcome.speed) : nan;
   });
 }
 

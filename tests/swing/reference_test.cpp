@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "support/catch.hpp"
+#include "support/machines.hpp"
 #include "support/paper_solver.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
@@ -84,6 +85,103 @@ TEST_CASE("Accurate speeds are those of another stepper than the job's") {
     }
 }
 
+namespace {
+
+/// All fields that are quantities.
+std::vector<Field> quantities() {
+  std::vector<Field> fields;
+  for (const FieldInfo& info : field_info)
+    if (is_quantity(info.field)) fields.push_back(info.field);
+  return fields;
+}
+
+std::vector<Machine> machines() {
+  Machine backyard = machine("D");
+  backyard.scene.counterweight_mass = 80;
+  backyard.scene.projectile_mass = 1;
+  backyard.scene.counterweight_hanger = 0.4;
+  backyard.scene.fulcrum_height = 1.5;
+  backyard.scene.start_angle = 0.8;
+  backyard.scene.beam_side = 0.09;
+  backyard.scene.pivot_friction = 3;
+  backyard.scene.trough_height = 0.03;
+  backyard.scene.projectile_diameter = 0.13;
+  backyard.design = {0.607761, 1.648506, 1.769181};
+  return {machine("A"), machine("B"), machine("D"), backyard, {elastic_scene(), optimum}};
+}
+
+/// The accurate values of all quantities of some designs; element [f][n] is field f of design n.
+std::vector<std::vector<double>> accurate_values(const Scene& scene, const Solver& solver,
+                                                 const std::vector<Design<double>>& designs) {
+  const auto fields = quantities();
+  std::vector<SwingResult> results(designs.size());
+  std::vector<double> values(designs.size() * fields.size());
+  integrate_accurately(scene, solver, {designs, results, fields, values});
+  std::vector<std::vector<double>> of_field(fields.size());
+  for (std::size_t f = 0; f < fields.size(); ++f)
+    for (std::size_t n = 0; n < designs.size(); ++n) {
+      const double value = fields[f] == Field::speed          ? results[n].speed
+                           : fields[f] == Field::release_time ? results[n].release_time
+                                                              : values[n * fields.size() + f];
+      of_field[f].push_back(value);
+    }
+  return of_field;
+}
+
+/// The size of a value against which errors are judged: an angle may be zero.
+double size_of(Field field, double value) {
+  return info(field).units == "rad" ? 1 : std::abs(value);
+}
+
+}  // namespace
+
+TEST_CASE("Accurate values of all quantities agree with references to 1e-11") {
+  for (const Machine& m : machines())
+    for (const Release release : {Release::crossing, Release::pin, Release::fastest}) {
+      Solver solver;
+      solver.release = release;
+      solver.pin_angle = 0.3;
+      const auto fields = quantities();
+      const auto references = reference_values(m.scene, m.design, solver, fields);
+      const auto values = accurate_values(m.scene, solver, {m.design});
+      for (std::size_t f = 0; f < fields.size(); ++f) {
+        INFO(info(fields[f]).name << " of " << m.scene.counterweight_mass << " kg by rule "
+                                  << release_names[static_cast<std::size_t>(release)]);
+        const auto [truth, bound] = references[f];
+        const double size = size_of(fields[f], truth);
+        CHECK(std::abs(values[f][0] - truth) <= 1e-11 * size);
+        CHECK(bound <= 1e-12 * size);
+      }
+    }
+}
+
+TEST_CASE("Accurate values along a line of designs are smooth to 1e-12") {
+  const auto fields = quantities();
+  for (const Machine& m : machines()) {
+    const auto [r1, r3, r2] = m.design;
+    std::vector<Design<double>> line;
+    for (int i = 0; i < 400; ++i) line.push_back({r1 + 6e-6 * i, r3 - 5e-6 * i, r2 + 6e-6 * i});
+    const auto values = accurate_values(m.scene, Solver{}, line);
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      double roughness = 0;  // fourth differences of smooth values vanish
+      const auto& v = values[f];
+      for (std::size_t n = 4; n < v.size(); ++n)
+        roughness = std::max(
+            roughness, std::abs(v[n] - 4 * v[n - 1] + 6 * v[n - 2] - 4 * v[n - 3] + v[n - 4]));
+      INFO(info(fields[f]).name << " of " << m.scene.counterweight_mass << " kg");
+      CHECK(roughness <= 1e-11 * size_of(fields[f], v[0]));
+    }
+  }
+}
+
+TEST_CASE("The values of a reference include its speed and time of release") {
+  const Reference r = reference(Scene{}, optimum, Solver{});
+  const auto values =
+      reference_values(Scene{}, optimum, Solver{}, std::vector{Field::release_time, Field::speed});
+  CHECK(values[0].value == static_cast<double>(r.release_time));
+  CHECK(values[1].value == r.speed);
+}
+
 TEST_CASE("A reference without a release has a status and no speed") {
   Scene scene;
   scene.projectile_mass = 5000;
@@ -91,5 +189,10 @@ TEST_CASE("A reference without a release has a status and no speed") {
   CHECK(r.status == Status::not_released);
   CHECK(std::isnan(r.speed));
   CHECK(std::isnan(r.speed_bound));
+  const std::vector<Field> fields{Field::speed, Field::peak_axle_load};
+  for (const auto [value, bound] : reference_values(scene, optimum, paper_solver(), fields)) {
+    CHECK(std::isnan(value));
+    CHECK(std::isnan(bound));
+  }
   CHECK(std::isnan(speed_in_extended_precision(scene, optimum, 1e-13, paper_solver())));
 }

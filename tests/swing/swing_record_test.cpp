@@ -41,17 +41,22 @@ std::vector<double> values_of(const Scene& scene, const std::vector<Field>& fiel
 
 TEST_CASE("A peak is the maximum of the interpolating polynomial, or the largest sample") {
   constexpr std::array<double, 4> nodes{0, 0.3, 0.6, 1};
-  const auto peak_of = [&](auto f) {
+  const auto found = [&](auto f) {
     std::array<double, 4> values;
     std::transform(nodes.begin(), nodes.end(), values.begin(), f);
     return peak(nodes, values);
   };
+  const auto peak_of = [&](auto f) { return found(f).value; };
   CHECK(peak_of([](double x) { return 3 - (x - 0.4) * (x - 0.4); }) == Approx(3));
   CHECK(peak_of([](double x) { return x * (1 - x * x); }) == Approx(2 / std::sqrt(27)));
   CHECK(peak_of([](double x) { return -4 * std::pow(x - 0.05, 2); }) == Approx(0).margin(1e-15));
   CHECK(peak_of([](double x) { return 1 + x; }) == 2);                     // at the end
   CHECK(peak_of([](double x) { return (x - 0.5) * (x - 0.5); }) == 0.25);  // a valley
   CHECK(peak_of([](double) { return 5; }) == 5);
+  CHECK(found([](double x) { return 3 - (x - 0.4) * (x - 0.4); }).at == Approx(0.4));
+  CHECK(found([](double x) { return x * (1 - x * x); }).at == Approx(1 / std::sqrt(3)));
+  CHECK(found([](double x) { return 1 + x; }).at == 1);
+  CHECK(found([](double x) { return (x - 0.5) * (x - 0.5); }).at == 0);
 }
 
 TEST_CASE("A motion of degree five is interpolated exactly, also over a step of zero length") {

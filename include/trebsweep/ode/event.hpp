@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <limits>
@@ -168,12 +169,12 @@ Instant<T, E> root_in(const Bracket<T, E>& bracket, Stepper& stepper, const Moti
 /// Locates the lift-off, where the trough's force on the projectile is zero, within the step of
 /// length h from `from`, where it is positive, before the fraction `high` of the step, where it is
 /// about `force_at_high`, which is not. As accelerations are continuous, an error of the lift-off's
-/// time changes the swing by its square.
+/// time changes the swing by its square only: root finding stops within sqrt(eps) of the root (as a
+/// fraction of the step) or, if that is less, 100 times the `tolerance` of the steps.
 template <class Stepper, class T, Effects E>
 Instant<T, E> lift_off_within(Stepper& stepper, const Motion<T, E>& motion,
                               const Instant<T, E>& from, const T& h, const T& high,
-                              const T& force_at_high) {
-  using std::sqrt;
+                              const T& force_at_high, double tolerance) {
   using Number = typename Lanes<T>::Number;
   const auto lack = [&](const Instant<T, E>& at) {
     return T(-motion.normal_force(at.x, at.directions));
@@ -181,7 +182,7 @@ Instant<T, E> lift_off_within(Stepper& stepper, const Motion<T, E>& motion,
   const T start = lack(from), slope = T(-force_at_high - start) / high;
   const Bracket<T, E> bracket{from, h, T(0), high, T(-start / slope), slope};
   const auto epsilon = static_cast<double>(std::numeric_limits<Number>::epsilon());
-  return root_in(bracket, stepper, motion, lack, sqrt(epsilon));
+  return root_in(bracket, stepper, motion, lack, std::min(std::sqrt(epsilon), 100 * tolerance));
 }
 
 }  // namespace trebsweep

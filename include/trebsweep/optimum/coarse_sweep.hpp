@@ -12,7 +12,7 @@ namespace trebsweep {
 
 /// What a coarse sweep finds.
 struct CoarseSweep {
-  double increment;       ///< m
+  double increment;       ///< m; 0 if there is only one design
   std::uint64_t designs;  ///< of the lattice
   /// The designs with a release that none of their 26 neighbours exceeds, best first. Those that
   /// violate constraints come last, by their violation. Empty if nothing is released.

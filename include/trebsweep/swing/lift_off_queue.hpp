@@ -80,7 +80,7 @@ class LiftOffQueue {
     for (std::size_t lane = waiting_.size; lane < lanes; ++lane)
       copy_lane<T>(waiting_.swings, lane, waiting_.swings, 0);
     auto& [state, record, from, to, part, normal] = waiting_.swings;
-    to = lift_off_within(stepper, state.motion, from, T(to.t - from.t), part, normal);
+    to = lift_off_within(stepper, state.motion, from, T(to.t - from.t), part, normal, tolerance_);
     if constexpr (has_fields<T>) {
       const Mechanism<T, E> mechanism(scene, state.design);
       record = record_step(record, request_, stepper, tolerance_, state.motion, mechanism, from, to,

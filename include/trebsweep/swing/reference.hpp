@@ -2,9 +2,11 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "trebsweep/model/scene.hpp"
 #include "trebsweep/ode/solver.hpp"
+#include "trebsweep/swing/field.hpp"
 #include "trebsweep/swing/status.hpp"
 
 namespace trebsweep {
@@ -23,6 +25,16 @@ struct Reference {
 /// tighter one; the difference bounds its error. The bounds are NaN where the statuses differ. Only
 /// max_time, max_steps and the located() release of `solver` are used.
 Reference reference(const Scene& scene, const Design<double>& design, const Solver& solver);
+
+/// The value of a field in quadruple precision, and a bound of its error, both in its unit.
+struct ReferenceValue {
+  double value, bound;
+};
+
+/// The values of fields, which must satisfy is_quantity(), of a swing like that of reference(); NaN
+/// without a release. Loads take three times as long as the speed.
+std::vector<ReferenceValue> reference_values(const Scene& scene, const Design<double>& design,
+                                             const Solver& solver, std::span<const Field> fields);
 
 /// The speed (m/s) of a release in extended precision, by vern8 at a tolerance; NaN without a
 /// release within 100,000 steps. `long double` has a significand of 64 bits on x86-64, where this

@@ -122,7 +122,7 @@ class ReleaseQueue {
       for (std::size_t f = 0; f < fields_.size(); ++f) {
         const T value = value_at_release(fields_[f], mechanism, to.x, record, flight);
         for (std::size_t lane = 0; lane < size_; ++lane)
-          values_[index_[lane] * fields_.size() + f] = get_lane(value, lane);
+          values_[index_[lane] * fields_.size() + f] = static_cast<double>(get_lane(value, lane));
       }
     }
     return below_ground;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -13,10 +14,10 @@
 
 namespace trebsweep {
 
-/// Whether fields are computed in a number type. References in wider types only need the speed, and
-/// compile faster.
+/// Whether fields are computed in a number type. In extended precision, only the speed is needed,
+/// which compiles faster.
 template <class T>
-inline constexpr bool has_fields = std::is_same_v<typename Lanes<T>::Number, double>;
+inline constexpr bool has_fields = !std::is_same_v<T, long double>;
 
 /// The time of the lift-off, extremes of the loads, and the energy lost, from the start of a swing
 /// on. Only what the fields need is recorded.
@@ -75,37 +76,46 @@ T mean_lost_power(Stepper& stepper, const Motion<T, E>& motion, const Mechanism<
   return power;
 }
 
-/// A record extended by the extremes of the polynomials through samples of the loads.
+/// The loads at a fraction of a step, to which the stepper itself integrates.
+template <class T>
+using LoadsWithin = std::function<Loads<T>(const T&)>;
+
+/// A record extended by the extremes of the polynomials through samples of the loads. If `within`
+/// is not empty, it gives the loads where the polynomials have their peaks: the error of an extreme
+/// is then of the order of the square of the error of its place.
 template <class T>
 [[gnu::noinline]] SwingRecord<T> with_extremes(SwingRecord<T> record, const RecordRequest& request,
-                                               const LoadSamples<T>& loads) {
+                                               const LoadSamples<T>& samples,
+                                               const LoadsWithin<T>& within) {
   using std::abs;
-  const auto peak_of = [&](auto load) {
+  const auto extend = [&](T& extreme, auto load) {
     std::array<T, load_nodes.size()> values;
-    std::transform(loads.begin(), loads.end(), values.begin(), load);
-    return peak(load_nodes, values);
+    std::transform(samples.begin(), samples.end(), values.begin(), load);
+    auto [value, at] = peak(load_nodes, values);
+    if (within) {
+      const auto inside = (at > T(0)) & (at < T(1)) & (value > extreme);
+      if (any(inside)) value = select(inside, T(load(within(select(inside, at, T(0.5))))), value);
+    }
+    extreme = larger(extreme, value);
   };
   if (request.least_tension) {
-    const T negative = peak_of([](const Loads<T>& l) { return T(-l.projectile_tension); });
-    record.least_tension = -larger(T(-record.least_tension), negative);
+    T negative = -record.least_tension;
+    extend(negative, [](const Loads<T>& l) { return T(-l.projectile_tension); });
+    record.least_tension = -negative;
   }
   if (request.peak_tension)
-    record.peak_tension =
-        larger(record.peak_tension, peak_of([](const Loads<T>& l) { return l.tip_tension; }));
+    extend(record.peak_tension, [](const Loads<T>& l) { return l.tip_tension; });
   if (request.peak_axle_load)
-    record.peak_axle_load =
-        larger(record.peak_axle_load, peak_of([](const Loads<T>& l) { return l.axle; }));
+    extend(record.peak_axle_load, [](const Loads<T>& l) { return l.axle; });
   if (request.peak_hanger_tension)
-    record.peak_hanger_tension = larger(
-        record.peak_hanger_tension, peak_of([](const Loads<T>& l) { return l.hanger_tension; }));
+    extend(record.peak_hanger_tension, [](const Loads<T>& l) { return l.hanger_tension; });
   if (request.peak_stress) {
     // The larger of the peaks of bending to either side.
-    T stress = loads[0].beam_stress;
-    for (const Loads<T>& l : loads)
+    T stress = samples[0].beam_stress;
+    for (const Loads<T>& l : samples)
       stress = select(abs(stress) < abs(l.beam_stress), l.beam_stress, stress);
     const T side = select(stress < T(0), T(-1), T(1));
-    record.peak_stress = larger(
-        record.peak_stress, peak_of([&](const Loads<T>& l) { return T(side * l.beam_stress); }));
+    extend(record.peak_stress, [&](const Loads<T>& l) { return T(side * l.beam_stress); });
   }
   return record;
 }
@@ -120,6 +130,13 @@ int parts_of_step(const Stepper& stepper, double tolerance) {
   return 1;
 }
 
+/// Whether the stepper itself integrates to the peaks of loads: at tight tolerances, polynomials
+/// would be less accurate than the motion.
+template <class Stepper>
+bool integrates_to_peaks(double tolerance) {
+  return is_adaptive<Stepper> && tolerance <= 1e-10;
+}
+
 /// A record extended by the loads over a step from `from` to `to`, of length h.
 template <class Stepper, class T, Effects E>
 SwingRecord<T> record_loads(SwingRecord<T> record, const RecordRequest& request, Stepper& stepper,
@@ -128,18 +145,31 @@ SwingRecord<T> record_loads(SwingRecord<T> record, const RecordRequest& request,
                             const Instant<T, E>& to, const T& h) {
   const int parts = parts_of_step(stepper, tolerance);
   const T part = T(1.0 / parts) * h;
-  const auto sample = [&](const Instant<T, E>& begin, const Instant<T, E>& end) {
-    if (is_interpolated(stepper)) return interpolated_loads(motion, mechanism, begin, end, part);
-    return integrated_loads(stepper, motion, mechanism, begin, end, part);
-  };
   Instant<T, E> last = from, next;
   State<T, E> error;
+  const auto integrated = [&](const T& s) {
+    Instant<T, E> at;
+    advance(stepper, motion, last, T(s * part), at, error);
+    return loads_at(motion, mechanism, at);
+  };
+  const bool exact = integrates_to_peaks<Stepper>(tolerance);
+  LoadsWithin<T> within;
+  if (exact) within = std::cref(integrated);
+  const auto extend = [&](const Instant<T, E>& end) {
+    record = with_extremes(record, request,
+                           is_interpolated(stepper)
+                               ? interpolated_loads(motion, mechanism, last, end, part)
+                               : integrated_loads(stepper, motion, mechanism, last, end, part),
+                           within);
+    last = end;
+  };
   for (int i = 1; i < parts; ++i) {
     advance(stepper, motion, from, T(T(i) * part), next, error);
-    record = with_extremes(record, request, sample(last, next));
-    last = next;
+    extend(next);
   }
-  return with_extremes(record, request, sample(last, to));
+  // Where an event ends the step, its state has been extrapolated, but not its rates.
+  extend(exact ? instant(motion, to.t, to.x) : to);
+  return record;
 }
 
 /// A record extended by a step of length h, from `from` to `to`.
