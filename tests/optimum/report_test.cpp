@@ -1,0 +1,91 @@
+#include "trebsweep/optimum/report.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "support/catch.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+/// A result in which every number is different.
+OptimumResult some_result() {
+  OptimumResult result{};
+  result.objective = Field::range;
+  result.design = {0.51142299, 0.58339719, 0.91660281};
+  result.value = 26.678157123456789;
+  result.error = 2e-13;
+  result.release_time = 0.89337;
+  result.active = {{"peak-axle-load <= 150000", "N", 1.5e-4}, {"r2 + r3 <= 1.5", "m", 9.5187}};
+  result.gradient = {1.25, 2.5, -3.75};
+  result.hessian = {{{-11, 12, 13}, {12, -22, 23}, {13, 23, -33}}};
+  result.allowances = {{{0.0101, 0.0151}, {0.0156, HUGE_VAL}, {0.0166, 0.3228}}};
+  result.sensitivities = {{"gravity", {9.8, 0.865, 0.875}}, {"sling-mass", {0, -0.01, -0.02}}};
+  result.maxima = {{result.design, result.value, 3}, {{0.6, 0.7, 0.8}, 20.5, 1}};
+  result.coarse_increment = 0.02;
+  result.starts = 4;
+  result.designs = 123456;
+  result.seconds = 0.75;
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("The JSON object has the documented keys, and the values of the result") {
+  OptimumResult result = some_result();
+  const auto json = nlohmann::json::parse(to_json(result));
+  for (const char* key : {"objective", "value", "error", "r1", "r3", "r2", "release_time", "active",
+                          "gradient", "hessian", "sensitivity", "worst", "expected", "maxima",
+                          "coarse_increment", "designs", "seconds"})
+    CHECK(json.contains(key));
+  CHECK(json["objective"] == "range");
+  CHECK(json["value"] == result.value);  // to the last bit
+  CHECK(json["r3"] == 0.58339719);
+  CHECK(json["r2"] == 0.91660281);
+  CHECK(json["active"][0]["constraint"] == "peak-axle-load <= 150000");
+  CHECK(json["active"][1]["multiplier"] == 9.5187);
+  CHECK(json["gradient"] == std::vector{1.25, 2.5, -3.75});
+  CHECK(json["hessian"][0] == std::vector<double>{-11, 12, 13});
+  CHECK(json["hessian"][2] == std::vector<double>{13, 23, -33});
+  CHECK(json["sensitivity"]["gravity"] == 0.865);
+  CHECK(json["sensitivity_of_optimum"]["sling-mass"] == -0.02);
+  CHECK(json["maxima"].size() == 2);
+  CHECK(json["maxima"][1]["r2"] == 0.8);
+  CHECK(json["designs"] == 123456);
+  CHECK(json["worst"].is_null());
+  CHECK(json["one_percent_loss"][1][1].is_null());  // infinite
+  result.robustness = Robustness{25.5, 26.25};
+  const auto robust = nlohmann::json::parse(to_json(result));
+  CHECK(robust["worst"] == 25.5);
+  CHECK(robust["expected"] == 26.25);
+}
+
+TEST_CASE("The text has the value, the design, what each limit is worth, and the next best") {
+  Job job;
+  job.optimum.objective = Field::range;
+  job.optimum.deviation = 0.003;
+  OptimumResult result = some_result();
+  const std::string text = to_text(result, job);
+  for (const std::string words :
+       {"range 26.67815712 m", "r1 = 0.5114230, r2 = 0.9166028, r3 = 0.5833972 m",
+        "peak-axle-load <= 150000: +0.00015 m per N", "r2 + r3 <= 1.5: +9.5187 m per m",
+        "r1: 0.0101 m shorter or 0.0151 m longer", "any length longer", "2 found from 4 starts",
+        "20.5 m at r1 = 0.6000000, r2 = 0.8000000, r3 = 0.7000000 m", "123456", "0.02 m"})
+    CHECK_THAT(text, contains(words));
+  CHECK_THAT(text, !contains("worst"));
+  result.robustness = Robustness{25.5, 26.25};
+  CHECK_THAT(to_text(result, job), contains("off by up to 0.003 m: worst 25.5, expected 26.25 m"));
+  result.active.clear();
+  CHECK_THAT(to_text(result, job), contains("none is reached"));
+}
+
+TEST_CASE("A sensitivity is per 1 % of the key, or per unit where the key is 0") {
+  const std::string text = to_text(some_result(), Job{});
+  const auto line = [&](const std::string& key) {
+    const std::size_t end = text.find('\n', text.find(key));
+    return text.substr(text.find(key), end - text.find(key));
+  };
+  CHECK_THAT(line("+1 % gravity"), contains("+0.08477") && contains("+0.08575"));
+  CHECK_THAT(line("+1 sling-mass"), contains("-0.01") && contains("-0.02"));
+}
