@@ -69,6 +69,7 @@ class NloptProblem {
   }
 
   void copy_row(Index function, double factor, double* to) const {
+    to[variables() - 1] = 0;  // the derivative with respect to the bound, if there is one
     for (Index i = 0; i < program_.variables(); ++i) {
       const double slope = factor * expansion_.gradients(function, i);
       to[i] = std::isfinite(slope) ? slope : 0;

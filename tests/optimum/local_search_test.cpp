@@ -30,6 +30,26 @@ TEST_CASE("A search from Charalambous and Conn's starts reaches their minimax so
   for (const SolvedProgram& solved : minimax()) check_is_found(solved, 1e-9);
 }
 
+TEST_CASE("A constraint on the largest of the smallest of several functions is respected") {
+  SolvedProgram cb3 = minimax()[1];  // without the constraint x = y = 1
+  const auto values = [f = cb3.program.functions](const VectorXd& x) {
+    const VectorXd v = f(x).col(0);
+    return std::vector{v(0), v(1), v(2), x(0) - 0.8};
+  };
+  // There (2 - 0.8)^2 + (2 - y)^2 = 2 exp(y - 0.8).
+  double low = 0, high = 2;
+  while (high - low > 1e-15) {
+    const double y = (low + high) / 2;
+    (1.44 + std::pow(2 - y, 2) > 2 * std::exp(y - 0.8) ? low : high) = y;
+  }
+  for (const double start : {0.0, 1.0, 2.0}) {
+    const KktPoint found = search(program_of(values, 3, 1, {-1, -1}, {4, 4}), vector({start, 2}));
+    CHECK(found.converged);
+    CHECK((found.point.x - vector({0.8, low})).cwiseAbs().maxCoeff() < 1e-8);
+    CHECK(found.multipliers(0) > 0);
+  }
+}
+
 TEST_CASE("An optimum at a kink of a constraint is found") {
   // Where 2 x^2 + y^2 and x^2 + 2 y^2 are equal.
   const auto values = [](const VectorXd& x) {

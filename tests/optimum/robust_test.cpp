@@ -85,8 +85,7 @@ TEST_CASE("No design nearby has a better worst case or expected value than the o
       CHECK(is_allowed(design));
       const double best = merit(design);
       CHECK(found.point.objective * problem.scales[0] == Approx(best).epsilon(1e-9));
-      for (const double spacing : {1e-3, 1e-5})
-        for (const Design<double>& other : cube(design, spacing, 3))
-          if (is_allowed(other)) CHECK(merit(other) <= best + 1e-9);
+      for (const Design<double>& other : cube(design, 1e-3, 3))
+        if (is_allowed(other)) CHECK(merit(other) <= best + 1e-9);
     }
 }

@@ -179,13 +179,25 @@ def optima():
     yield ["sweep", "strict.cfg", *TINY], 2
     yield ["trace", "job.cfg", *DESIGN, "--optimum.objective", "range"], 2
     yield ["assess", "job.cfg", "--optimum.objective", "range"], 2
+    fixed = ["--lattice.r1=0.6", "--lattice.r3=0.6", "--lattice.r2=0.8"]
+    for code, *options in [(2, "--optimum.objective=status"), (2, "--optimum.subject-to=speed < 3"),
+                           (2, "--optimum.deviation=-1"), (2, "--optimum.robust=worst"), (2, "--json=yes"),
+                           (2, "--lattice.increment=1e-4"), (2, "--lattice.r1=0.1:0.2"), (2, "--r1=0.6"),
+                           (2, "--scene.trough=yes"), (2, "--overwrite"), (2, "--time-limit=1"),
+                           (1, "--lattice.shortest-sling=2"), (1, "--scene.release-height=1e3"),
+                           (1, "--optimum.subject-to=speed >= 1e6"), (1, "--scene.projectile-mass=1e9"),
+                           (1, "--optimum.deviation=1e9", "--optimum.robust=worst"), (0, *fixed),
+                           (0, "--optimum.deviation=1e9"), (0, "--optimum.subject-to="),
+                           (0, "--lattice.increment=0.3"), (0, "--optimum.refine=yes")]:
+        yield ["optimum", "job.cfg", *options], code
+    yield ["sweep", "job.cfg", *TINY, "--json"], 2
     yield sweep(0, "--optimum.subject-to", "")
     yield sweep(0, "--optimum.subject-to", " speed<=+1e3 , least-sling-tension >= -0 ")
 
 
 def command_lines():
     """Command lines with too few, too many or meaningless words."""
-    for arguments in [[], ["swep"], [""], [LONG], ["--halp"], ["sweep"], ["trace"], ["assess"], ["info"], ["sweep", "a", "b"],
+    for arguments in [[], ["swep"], [""], [LONG], ["--halp"], ["sweep"], ["optimum"], ["trace"], ["assess"], ["info"], ["sweep", "a", "b"],
                       ["info", "a", "b"], ["sweep", "job.cfg", "--overwrit"], ["sweep", "job.cfg", "--scene.gravity"],
                       ["sweep", "job.cfg", "--scene.gravity", "9", "--scene.gravity", "9"],
                       ["sweep", "job.cfg", "--r1", "1"], ["sweep", "job.cfg", "--gravity", "9"],
