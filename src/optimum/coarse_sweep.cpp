@@ -88,13 +88,13 @@ std::vector<std::size_t> places(const Lattice& lattice) {
 /// The designs that none of their neighbours exceeds; of equal neighbours, the first.
 std::vector<std::size_t> local_maxima(const Lattice& lattice, const std::vector<Merit>& merit) {
   const std::vector<std::size_t> place = places(lattice);
-  const auto [n1, n3, n2] = lattice.extent();
+  const Index3 n = lattice.extent();
   const auto exceeds_neighbours = [&](std::size_t i1, std::size_t i3, std::size_t i2,
                                       std::size_t design) {
     for (std::size_t k = 0; k < 27; ++k) {
       const std::size_t j1 = i1 + k / 9 - 1, j3 = i3 + k / 3 % 3 - 1, j2 = i2 + k % 3 - 1;
-      if (j1 >= n1 || j3 >= n3 || j2 >= n2) continue;  // below 0 is above n
-      const std::size_t other = place[(j1 * n3 + j3) * n2 + j2];
+      if (j1 >= n[0] || j3 >= n[1] || j2 >= n[2]) continue;  // below 0 is above n
+      const std::size_t other = place[(j1 * n[1] + j3) * n[2] + j2];
       if (other == none || other == design) continue;
       if (is_better(merit[other], merit[design]) ||
           (other < design && !is_better(merit[design], merit[other])))
@@ -105,7 +105,7 @@ std::vector<std::size_t> local_maxima(const Lattice& lattice, const std::vector<
   std::vector<std::size_t> maxima;
   for (std::size_t cell = 0; cell < place.size(); ++cell)
     if (place[cell] != none && is_released(merit[place[cell]]) &&
-        exceeds_neighbours(cell / n2 / n3, cell / n2 % n3, cell % n2, place[cell]))
+        exceeds_neighbours(cell / n[2] / n[1], cell / n[2] % n[1], cell % n[2], place[cell]))
       maxima.push_back(place[cell]);
   return maxima;
 }
