@@ -51,14 +51,17 @@ std::vector<Merit> merits(const Job& job, std::span<const Design<double>> design
 
 /// The merits of designs, each computed by one of the ranks. Collective.
 std::vector<Merit> merits_on_all_ranks(const Job& job, std::span<const Design<double>> designs,
-                                       MPI_Comm comm) {
+                                       ProgressStyle style, MPI_Comm comm) {
   constexpr std::size_t part = 2048;
-  const auto ranks = static_cast<std::size_t>(mpi::size(comm));
+  Progress progress(0, designs.size(), style);
+  const std::size_t round = part * static_cast<std::size_t>(mpi::size(comm));
   std::vector<Merit> all(designs.size());
   for (auto first = part * static_cast<std::size_t>(mpi::rank(comm)); first < designs.size();
-       first += part * ranks)
-    std::ranges::copy(merits(job, designs.subspan(first, std::min(part, designs.size() - first))),
-                      all.begin() + static_cast<std::ptrdiff_t>(first));
+       first += round) {
+    const auto some = designs.subspan(first, std::min(part, designs.size() - first));
+    std::ranges::copy(merits(job, some), all.begin() + static_cast<std::ptrdiff_t>(first));
+    progress.update(std::min(first + round, designs.size()));
+  }
   mpi::merge(std::span(all), comm);
   return all;
 }
@@ -133,14 +136,15 @@ LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec) {
   return chosen.value_or(spec);
 }
 
-CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, MPI_Comm comm) {
+CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, ProgressStyle style,
+                         MPI_Comm comm) {
   const Lattice lattice(job.scene, spec);
   if (lattice.designs() > max_designs)
     refuse("lattice.increment", fmt::format("{}", spec.increment),
            fmt::format("larger: the coarse sweep would have {} designs, and {} are allowed",
                        lattice.designs(), max_designs));
   const std::vector<Design<double>> designs = all_designs(lattice);
-  const std::vector<Merit> merit = merits_on_all_ranks(job, designs, comm);
+  const std::vector<Merit> merit = merits_on_all_ranks(job, designs, style, comm);
   std::vector<std::size_t> maxima = local_maxima(lattice, merit);
   std::ranges::stable_sort(
       maxima, [&](std::size_t a, std::size_t b) { return is_better(merit[a], merit[b]); });
