@@ -154,11 +154,20 @@ class Archive:
         return (str(self.attributes.get("objective", "speed")),
                 unit_text(str(self.attributes.get("objective_units", "m s-1"))))
 
+    @property
+    def refined(self):
+        """Whether the optimum lies between the designs of the lattice (optimum.refine = yes)."""
+        return np.isfinite(self.attributes.get("refined_error", np.nan))
+
     def optimum(self):
         """({axis: value in m}, value of the objective) of the optimum so far, or None.
 
-        It comes from the tallies of the tiles: the root attributes hold it only after the last.
+        Unless it is refined, it comes from the tallies of the tiles: the root attributes hold it
+        only after the last.
         """
+        if self.refined:
+            return ({name: float(self.attributes[f"best_{name}"]) for name in AXES},
+                    float(self.attributes["best_value"]))
         rows = self.tallies()
         with reading(self.path, "is damaged"):
             found = rows["best_cell"] >= 0
@@ -173,14 +182,18 @@ class Archive:
         """{axis: value in m} of the design with an index (i1, i3, i2)."""
         return {name: float(self.axes[name][i]) for name, i in zip(AXES, index)}
 
+    def nearest(self, axis, value):
+        """The index of the axis's value nearest to `value`."""
+        return int(np.argmin(np.abs(self.axes[axis] - value)))
+
     def index(self, axis, value):
-        """The index of the axis's value nearest to `value`; ends the program outside the axis."""
+        """The same; ends the program if `value` lies outside the axis."""
         values = self.axes[axis]
         limits = edges(values)
         if not limits[0] <= value <= limits[-1]:
             refuse(axis, f"{value:g}",
                    f"must be from {values[0]:g} to {values[-1]:g} m, as in {self.path}")
-        return int(np.argmin(np.abs(values - value)))
+        return self.nearest(axis, value)
 
     def extreme(self, field, largest):
         """({axis: value in m}, value) of the largest or smallest value of a map, or None."""
@@ -256,7 +269,7 @@ def parse_job(text):
 
 def design_text(design):
     """A design, {axis: value in m}, as text."""
-    return ", ".join(f"{name} = {design[name]:g}" for name in ("r1", "r2", "r3")) + " m"
+    return ", ".join(f"{name} = {design[name]:.7g}" for name in ("r1", "r2", "r3")) + " m"
 
 
 def unit_text(unit):

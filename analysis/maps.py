@@ -27,7 +27,7 @@ def slices(archive, field, centre):
     """Arrays (vertical, horizontal) of a map's values in each view through `centre` ({axis: m})."""
     values = []
     for names in views(archive):
-        where = tuple(slice(None) if name in names else archive.index(name, centre[name])
+        where = tuple(slice(None) if name in names else archive.nearest(name, centre[name])
                       for name in AXES)
         part = archive.read(field, where)
         stored = [name for name in AXES if name in names]
@@ -56,13 +56,13 @@ def axis_label(archive, name):
 def position_text(archive, names, centre):
     """The values of the axes that a view of the axes `names` holds fixed, as text."""
     fixed = [name for name in AXES if name not in names]
-    values = [archive.axes[name][archive.index(name, centre[name])] for name in fixed]
+    values = [archive.axes[name][archive.nearest(name, centre[name])] for name in fixed]
     return ", ".join(f"{name} = {value:g}" for name, value in zip(fixed, values)) + " m"
 
 
 def shows(archive, names, centre, design):
     """Whether a view of the axes `names` through `centre` contains the design."""
-    return all(archive.index(name, design[name]) == archive.index(name, centre[name])
+    return all(archive.nearest(name, design[name]) == archive.nearest(name, centre[name])
                for name in AXES if name not in names)
 
 
@@ -126,7 +126,7 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
             scale = axes.yaxis
             axes.set_ylabel(label)
             point = marked and (star[names[0]],
-                                part[archive.index(names[0], star[names[0]])])
+                                part[archive.nearest(names[0], star[names[0]])])
         else:
             mesh = draw_plane(axes, archive, names, part, style, contours)
             point = marked and tuple(star[name] for name in names)

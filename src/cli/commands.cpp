@@ -84,9 +84,10 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
 
 int run_optimum(const CommandLine& line) {
   const Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
-  const bool own_lattice = line.overrides.contains("lattice.increment");
+  const OptimumOptions options{.own_lattice = line.overrides.contains("lattice.increment"),
+                               .progress = line.progress};
   try {
-    const auto result = find_optimum(job, own_lattice, MPI_COMM_WORLD);
+    const auto result = find_optimum(job, options, MPI_COMM_WORLD);
     if (is_root()) fmt::print("{}\n", line.json ? to_json(*result) : to_text(*result, job));
     return complete;
   } catch (const NoOptimum& error) {

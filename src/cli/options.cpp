@@ -47,6 +47,7 @@ po::options_description command_options(Command command) {
       break;
     case Command::optimum:
       add("json", "print a JSON object instead of text");
+      add("progress", text("STYLE"), "progress on stderr: auto (default), bar, lines or none");
       break;
     case Command::assess:
       add("overwrite", "replace an existing archive");

@@ -51,14 +51,17 @@ std::vector<Merit> merits(const Job& job, std::span<const Design<double>> design
 
 /// The merits of designs, each computed by one of the ranks. Collective.
 std::vector<Merit> merits_on_all_ranks(const Job& job, std::span<const Design<double>> designs,
-                                       MPI_Comm comm) {
+                                       ProgressStyle style, MPI_Comm comm) {
   constexpr std::size_t part = 2048;
-  const auto ranks = static_cast<std::size_t>(mpi::size(comm));
+  Progress progress(0, designs.size(), style);
+  const std::size_t round = part * static_cast<std::size_t>(mpi::size(comm));
   std::vector<Merit> all(designs.size());
   for (auto first = part * static_cast<std::size_t>(mpi::rank(comm)); first < designs.size();
-       first += part * ranks)
-    std::ranges::copy(merits(job, designs.subspan(first, std::min(part, designs.size() - first))),
-                      all.begin() + static_cast<std::ptrdiff_t>(first));
+       first += round) {
+    const auto some = designs.subspan(first, std::min(part, designs.size() - first));
+    std::ranges::copy(merits(job, some), all.begin() + static_cast<std::ptrdiff_t>(first));
+    progress.update(std::min(first + round, designs.size()));
+  }
   mpi::merge(std::span(all), comm);
   return all;
 }
@@ -88,13 +91,13 @@ std::vector<std::size_t> places(const Lattice& lattice) {
 /// The designs that none of their neighbours exceeds; of equal neighbours, the first.
 std::vector<std::size_t> local_maxima(const Lattice& lattice, const std::vector<Merit>& merit) {
   const std::vector<std::size_t> place = places(lattice);
-  const auto [n1, n3, n2] = lattice.extent();
+  const Index3 n = lattice.extent();
   const auto exceeds_neighbours = [&](std::size_t i1, std::size_t i3, std::size_t i2,
                                       std::size_t design) {
     for (std::size_t k = 0; k < 27; ++k) {
       const std::size_t j1 = i1 + k / 9 - 1, j3 = i3 + k / 3 % 3 - 1, j2 = i2 + k % 3 - 1;
-      if (j1 >= n1 || j3 >= n3 || j2 >= n2) continue;  // below 0 is above n
-      const std::size_t other = place[(j1 * n3 + j3) * n2 + j2];
+      if (j1 >= n[0] || j3 >= n[1] || j2 >= n[2]) continue;  // below 0 is above n
+      const std::size_t other = place[(j1 * n[1] + j3) * n[2] + j2];
       if (other == none || other == design) continue;
       if (is_better(merit[other], merit[design]) ||
           (other < design && !is_better(merit[design], merit[other])))
@@ -105,7 +108,7 @@ std::vector<std::size_t> local_maxima(const Lattice& lattice, const std::vector<
   std::vector<std::size_t> maxima;
   for (std::size_t cell = 0; cell < place.size(); ++cell)
     if (place[cell] != none && is_released(merit[place[cell]]) &&
-        exceeds_neighbours(cell / n2 / n3, cell / n2 % n3, cell % n2, place[cell]))
+        exceeds_neighbours(cell / n[2] / n[1], cell / n[2] % n[1], cell % n[2], place[cell]))
       maxima.push_back(place[cell]);
   return maxima;
 }
@@ -133,14 +136,15 @@ LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec) {
   return chosen.value_or(spec);
 }
 
-CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, MPI_Comm comm) {
+CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, ProgressStyle style,
+                         MPI_Comm comm) {
   const Lattice lattice(job.scene, spec);
   if (lattice.designs() > max_designs)
     refuse("lattice.increment", fmt::format("{}", spec.increment),
            fmt::format("larger: the coarse sweep would have {} designs, and {} are allowed",
                        lattice.designs(), max_designs));
   const std::vector<Design<double>> designs = all_designs(lattice);
-  const std::vector<Merit> merit = merits_on_all_ranks(job, designs, comm);
+  const std::vector<Merit> merit = merits_on_all_ranks(job, designs, style, comm);
   std::vector<std::size_t> maxima = local_maxima(lattice, merit);
   std::ranges::stable_sort(
       maxima, [&](std::size_t a, std::size_t b) { return is_better(merit[a], merit[b]); });

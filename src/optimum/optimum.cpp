@@ -35,8 +35,10 @@ struct Found {
 
 /// The ends of searches from designs, each by one of the ranks. Collective.
 template <class Search>
-std::vector<Found> search_from(const std::vector<Design<double>>& starts, MPI_Comm comm,
-                               Search search) {
+std::vector<Found> search_from(const std::vector<Design<double>>& starts, ProgressStyle style,
+                               MPI_Comm comm, Search search) {
+  Progress progress(0, starts.size(), style, "searches");
+  const auto ranks = static_cast<std::size_t>(mpi::size(comm));
   return mpi::share(starts.size(), comm, [&](std::size_t i) {
     Found found{};
     const auto [point, multipliers, converged] = search(starts[i], found.integrated);
@@ -44,6 +46,7 @@ std::vector<Found> search_from(const std::vector<Design<double>>& starts, MPI_Co
     found.objective = point.objective;
     found.violation = point.violation;
     found.converged = converged;
+    progress.update(std::min(i + ranks, starts.size()));
     return found;
   });
 }
@@ -143,11 +146,15 @@ std::vector<std::pair<std::string, Sensitivity>> all_sensitivities(const Job& jo
 
 }  // namespace
 
-std::optional<OptimumResult> find_optimum(const Job& job, bool own_lattice, MPI_Comm comm) {
+std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& options,
+                                          MPI_Comm comm) {
   const double start_time = MPI_Wtime();
+  // Only rank 0 reports progress, as if the others were as fast.
+  const ProgressStyle progress = mpi::rank(comm) == 0 ? options.progress : ProgressStyle::none;
   design_space(job.scene, job.lattice);  // throws if it is empty
   const CoarseSweep coarse =
-      coarse_sweep(job, own_lattice ? job.lattice : coarse_lattice(job.scene, job.lattice), comm);
+      coarse_sweep(job, options.own_lattice ? job.lattice : coarse_lattice(job.scene, job.lattice),
+                   progress, comm);
   if (coarse.maxima.empty())
     throw NoOptimum(
         fmt::format("nothing is released: none of {} designs with a spacing of {} m has a release",
@@ -167,7 +174,7 @@ std::optional<OptimumResult> find_optimum(const Job& job, bool own_lattice, MPI_
     return robust_search(problem, start, job.optimum.robust, job.optimum.deviation, integrated);
   };
   const auto find_maxima = [&](auto search_one) {
-    const std::vector<Found> found = search_from(starts, comm, search_one);
+    const std::vector<Found> found = search_from(starts, progress, comm, search_one);
     for (const Found& f : found) result.designs += f.integrated;
     result.starts = starts.size();
     result.maxima = distinct(found, problem);

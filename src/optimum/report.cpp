@@ -35,7 +35,7 @@ std::string allowance_text(const Allowance& allowance) {
 
 /// What each limit is worth.
 std::string limits_text(const OptimumResult& result) {
-  if (result.active.empty()) return "limits     none is reached\n";
+  if (result.active.empty()) return "limits     none is active\n";
   std::string text;
   for (const auto& [constraint, units, multiplier] : result.active)
     text += fmt::format("{:10} {}: {:+.6g}{}\n", text.empty() ? "limits" : "", constraint,

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "trebsweep/base/progress.hpp"
 #include "trebsweep/job/job.hpp"
-#include "trebsweep/sweep/progress.hpp"
 
 namespace trebsweep {
 

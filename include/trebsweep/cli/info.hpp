@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "trebsweep/sweep/progress.hpp"
+#include "trebsweep/base/progress.hpp"
 
 namespace trebsweep {
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "trebsweep/base/progress.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/job/lattice.hpp"
 
@@ -25,6 +26,7 @@ LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec);
 
 /// Integrates the designs of a lattice with moderate accuracy on all ranks, which all get the
 /// result. Throws InputError if the lattice has more than 100 million designs. Collective.
-CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, MPI_Comm comm);
+CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, ProgressStyle style,
+                         MPI_Comm comm);
 
 }  // namespace trebsweep

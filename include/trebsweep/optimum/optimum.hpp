@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "trebsweep/archive/summary.hpp"
+#include "trebsweep/base/progress.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/optimum/allowance.hpp"
 #include "trebsweep/optimum/robust.hpp"
@@ -52,12 +53,18 @@ struct OptimumResult {
   double seconds;
 };
 
+struct OptimumOptions {
+  bool own_lattice = false;  ///< whether the coarse sweep is of the job's lattice
+  ProgressStyle progress = ProgressStyle::none;
+};
+
 /// Searches for the optimum of a job: a coarse sweep of the job's own lattice or of
 /// coarse_lattice(), then continuous searches from its best local maxima. Every design is
 /// integrated accurately by vern8 to the solver's located() release. Returns the result on rank 0.
 /// Throws NoOptimum on all ranks if the design space is empty, nothing is released or no design
 /// satisfies the constraints. Collective.
-std::optional<OptimumResult> find_optimum(const Job& job, bool own_lattice, MPI_Comm comm);
+std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& options,
+                                          MPI_Comm comm);
 
 /// The optimum of a job's design space that a search from a design of its lattice reaches; nothing
 /// if that is not feasible. The error is the difference from another stepper, both at a tolerance

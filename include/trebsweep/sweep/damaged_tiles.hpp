@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "trebsweep/archive/archive_format.hpp"
+#include "trebsweep/base/progress.hpp"
 #include "trebsweep/job/tiling.hpp"
-#include "trebsweep/sweep/progress.hpp"
 
 namespace trebsweep {
 

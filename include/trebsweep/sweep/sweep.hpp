@@ -7,9 +7,9 @@
 #include <string>
 
 #include "trebsweep/archive/summary.hpp"
+#include "trebsweep/base/progress.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/job/lattice.hpp"
-#include "trebsweep/sweep/progress.hpp"
 
 namespace trebsweep {
 

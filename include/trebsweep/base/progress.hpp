@@ -6,7 +6,7 @@
 
 namespace trebsweep {
 
-/// How a sweep reports its progress on stderr.
+/// How a command reports its progress on stderr.
 enum class ProgressStyle {
   automatic,  ///< a bar if stderr is a terminal, else lines
   bar,        ///< one line, redrawn

@@ -1,4 +1,4 @@
-#include "trebsweep/sweep/progress.hpp"
+#include "trebsweep/base/progress.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
