@@ -88,7 +88,7 @@ int run_optimum(const CommandLine& line) {
                                .progress = line.progress};
   try {
     const auto result = find_optimum(job, options, MPI_COMM_WORLD);
-    if (is_root()) fmt::print("{}\n", line.json ? to_json(*result) : to_text(*result, job));
+    if (is_root()) fmt::print("{}\n", line.json ? to_json(*result, job) : to_text(*result, job));
     return complete;
   } catch (const NoOptimum& error) {
     if (is_root()) fmt::print(stderr, "trebsweep: {}\n", error.what());

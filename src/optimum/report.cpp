@@ -8,6 +8,7 @@
 
 #include "trebsweep/base/number.hpp"
 #include "trebsweep/job/key.hpp"
+#include "trebsweep/optimum/design_space.hpp"
 
 namespace trebsweep {
 namespace {
@@ -80,6 +81,18 @@ std::string maxima_text(const OptimumResult& result) {
   return text;
 }
 
+/// The least and the largest value of each length, the other two as in a design.
+Json bounds(const DesignSpace& space, const Design<double>& design) {
+  const std::array<double, 3> r = lengths(design);
+  Json all;
+  for (std::size_t d = 0; d < 3; ++d) {
+    double upper = space.upper[d];
+    if (d > 0 && space.longest_sum) upper = std::min(upper, *space.longest_sum - r[3 - d]);
+    all.push_back({space.lower[d], upper});
+  }
+  return all;
+}
+
 }  // namespace
 
 std::string to_text(const OptimumResult& result, const Job& job) {
@@ -103,7 +116,7 @@ std::string to_text(const OptimumResult& result, const Job& job) {
   return text + sensitivities_text(result);
 }
 
-std::string to_json(const OptimumResult& result) {
+std::string to_json(const OptimumResult& result, const Job& job) {
   Json json{{"objective", info(result.objective).name},
             {"value", result.value},
             {"error", result.error},
@@ -112,6 +125,7 @@ std::string to_json(const OptimumResult& result) {
             {"r2", result.design.r2},
             {"release_time", result.release_time},
             {"active", Json::array()},
+            {"bounds", bounds(design_space(job.scene, job.lattice), result.design)},
             {"gradient", result.gradient},
             {"hessian", result.hessian},
             {"one_percent_loss", Json::array()},
@@ -124,7 +138,8 @@ std::string to_json(const OptimumResult& result) {
             {"starts_at_best", result.maxima.front().starts},
             {"coarse_increment", result.coarse_increment},
             {"designs", result.designs},
-            {"seconds", result.seconds}};
+            {"seconds", result.seconds},
+            {"job", to_text(job)}};
   for (const ActiveLimit& limit : result.active)
     json["active"].push_back({{"constraint", limit.constraint}, {"multiplier", limit.multiplier}});
   for (const Allowance& allowance : result.allowances)
