@@ -9,8 +9,6 @@ fast neighbours the first counts. Each is traced with the job stored in the arch
 """
 
 import os
-import shutil
-import subprocess
 import tempfile
 
 from program import Parser, fail, note, refuse, run  # before modules that may be missing
@@ -18,12 +16,10 @@ from program import Parser, fail, note, refuse, run  # before modules that may b
 import numpy as np
 
 from archive import Archive, design_text, stem
+from launch import PROGRAM_HELP, check, find_program, run_program
 from picture import OUTPUT_HELP, check_output, labelled, plt, readable_unit, save, set_title
 from trajectory import read_table
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-PROGRAMS = (os.path.join(HERE, "..", "build", "release", "trebsweep"),  # built here
-            os.path.join(HERE, "..", "..", "..", "bin", "trebsweep"))   # installed
 PANELS = (("tension", "sling tension at the projectile", "N"),
           ("tip_tension", "sling tension at the arm's tip", "N"),
           ("axle", "force on the axle", "N"),
@@ -70,12 +66,6 @@ def local_maxima(speed, count):
     return maxima
 
 
-def find_program():
-    """The program built or installed with this script, else the one in PATH, else None."""
-    found = [path for path in PROGRAMS if os.access(path, os.X_OK)]
-    return os.path.normpath(found[0]) if found else shutil.which("trebsweep")
-
-
 def trace(archive, design, program, *options):
     """Traces a design: {column: values}; ends the program on failure."""
     with tempfile.TemporaryDirectory() as directory:
@@ -83,15 +73,10 @@ def trace(archive, design, program, *options):
         with open(job, "w", encoding="utf-8") as file:
             file.write(archive.attributes["job"])
         lengths = [text for name, value in design.items() for text in (f"--{name}", repr(value))]
-        try:
-            with open(table, "w", encoding="utf-8") as file:
-                done = subprocess.run([program, "trace", job, *lengths, *options],
-                                      stdout=file, stderr=subprocess.PIPE, text=True, check=False)
-        except OSError as error:
-            fail(f"{program}: cannot be started: {error.strerror}")
-        if done.returncode != 0:
-            fail(f"{program}: cannot trace a design of {archive.path}: "
-                 f"{done.stderr or f'exit code {done.returncode}'}")
+        done = run_program(program, "trace", job, *lengths, *options)
+        check(done)
+        with open(table, "w", encoding="utf-8") as file:
+            file.write(done.stdout)
         return read_table(table).rows
 
 
@@ -131,8 +116,7 @@ def main():
                         help="archive of a sweep with a map of the speed")
     parser.add_argument("--count", type=int, default=3,
                         help="maximum number of designs to draw, at least 1 (default: 3)")
-    parser.add_argument("--program", help="path of trebsweep (default: the one built or "
-                        "installed with this script, otherwise the one in PATH)")
+    parser.add_argument("--program", help=PROGRAM_HELP)
     parser.add_argument("-o", "--output", metavar="PICTURE",
                         help=OUTPUT_HELP + "default: the archive's name with -loads.png")
     arguments = parser.parse_args()
@@ -144,10 +128,7 @@ def main():
     archive = Archive(arguments.archive)
     if "speed" not in archive.fields:
         fail(f"{arguments.archive}: has no map of the speed")
-    program = arguments.program or find_program()
-    if program is None:
-        fail("trebsweep: no such program built or installed with this script, or in PATH; "
-             "build it or give --program")
+    program = find_program(arguments.program)
     designs = [archive.design(index)
                for index in local_maxima(archive.read("speed"), arguments.count)]
     if not designs:

@@ -1,0 +1,50 @@
+"""Finds trebsweep and runs it."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+from program import fail, note
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+PROGRAMS = (os.path.join(HERE, "..", "build", "release", "trebsweep"),  # built here
+            os.path.join(HERE, "..", "..", "..", "bin", "trebsweep"))   # installed
+PROGRAM_HELP = ("path of trebsweep (default: the one built or installed with this script, "
+                "otherwise the one in PATH)")
+
+
+def find_program(given=None):
+    """The given program, else the one built or installed with the scripts, else the one in PATH;
+    ends the script if there is none."""
+    built = [os.path.normpath(path) for path in PROGRAMS if os.access(path, os.X_OK)]
+    found = [given, *built, shutil.which("trebsweep")]
+    return next(filter(None, found), None) or fail(
+        "trebsweep: no such program built or installed with this script, or in PATH; "
+        "build it or give --program")
+
+
+def run_program(program, *arguments):
+    """A command that has ended, with what it printed; ends the script if it cannot be started."""
+    try:
+        return subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
+    except OSError as error:
+        fail(f"{program}: cannot be started: {error.strerror}")
+
+
+def check(done):
+    """Ends the script with the message of a command that failed, and exit code 1 or 2 as it."""
+    if done.returncode != 0:
+        program, command = done.args[:2]
+        note(done.stderr or f"{program}: {command} failed with exit code {done.returncode}")
+        sys.exit(2 if done.returncode == 2 else 1)
+
+
+def parse_optimum(done):
+    """The object that `trebsweep optimum --json` printed; ends the script if it failed."""
+    check(done)
+    try:
+        return json.loads(done.stdout)
+    except ValueError as error:
+        fail(f"{done.args[0]}: printed no optimum: {error}")

@@ -1,0 +1,270 @@
+#!/usr/bin/env python3
+"""Draws the neighbourhood of a job's optimum: the objective against r1, r2 and r3.
+
+In each panel the other two lengths are those of the optimum that `trebsweep optimum` finds. The
+panel extends a few times as far as the length may be off before 1 % of the objective is lost, but
+hardly beyond the bounds of the lattice. The curve has gaps where a design has no release. Regions
+that violate a constraint are shaded. With optimum.deviation, a band shows the deviation of the
+length, and lines show the worst and the expected objective.
+
+All designs are integrated accurately, whatever the job's stepper. Options of `trebsweep optimum`
+follow after --.
+
+  neighbourhood.py jobs/accurate.cfg                   -> accurate-neighbourhood.png
+  neighbourhood.py jobs/lab.cfg -o lab.svg -- --optimum.objective range
+"""
+
+import os
+import sys
+import tempfile
+from collections import namedtuple
+
+from program import Parser, run  # before modules that may be missing
+
+import numpy as np
+
+from archive import AXES, Archive, parse_job
+from job import accurate_job, job_text, without_sections
+from launch import PROGRAM_HELP, check, find_program, parse_optimum, run_program
+from picture import (OUTPUT_HELP, check_output, labelled, plt, readable_unit, save, set_title,
+                     wrapped)
+
+PANELS = ("r1", "r2", "r3")
+DESIGNS = 200   # of a curve
+REACH = 3       # of a panel, in lengths that lose 1 %
+BEYOND = 0.05   # of a panel, beyond the bounds of the lattice
+HEIGHT = 0.1    # of a panel above the optimum, and below it and the worst value, at most, in values
+WORDS = {"no": "optimum", "worst": "best worst case", "expected": "best expected value"}
+COLOURS = ("tab:red", "tab:purple", "tab:brown", "tab:olive", "tab:cyan", "tab:pink")
+
+# A constraint is violated where sign * (field - limit) > 0.
+Constraint = namedtuple("Constraint", "field sign limit")
+
+# A length of the optimum, its bounds, and how much shorter and longer it may be before 1 % of the
+# objective is lost (inf: any length), m.
+Length = namedtuple("Length", "value bounds shorter longer")
+
+# What `trebsweep optimum` found for a job {(section, key): value}: lengths {name: Length}; the worst
+# and the expected value under the deviation, None without or if designs in it have no release.
+Optimum = namedtuple("Optimum", "job objective value lengths constraints deviation worst expected")
+
+
+def constraints_of(job):
+    """The constraints of a job."""
+    texts = filter(None, job.get(("optimum", "subject-to"), "").split(","))
+    constraints = [Constraint(field, 1 if relation == "<=" else -1, float(limit))
+                   for field, relation, limit in map(str.split, texts)]
+    if job["output", "optimum"] == "taut":
+        # The tension of an elastic sling is never negative; it is slack where there is none.
+        elastic = float(job["scene", "sling-stiffness"]) > 0
+        constraints.append(Constraint("least-sling-tension", -1,
+                                      sys.float_info.min if elastic else 0.0))
+    return constraints
+
+
+def read_optimum(result):
+    """The Optimum that an object of `trebsweep optimum --json` describes."""
+    job = parse_job(result["job"])
+    lengths = {name: Length(result[name], bounds, *(np.inf if loss is None else loss
+                                                    for loss in losses))
+               for name, bounds, losses in zip(AXES, result["bounds"], result["one_percent_loss"])}
+    return Optimum(job, result["objective"], result["value"], lengths, constraints_of(job),
+                   float(job["optimum", "deviation"]), result["worst"], result["expected"])
+
+
+def is_free(length):
+    """Whether a length was varied in the search."""
+    return length.bounds[0] < length.bounds[1]
+
+
+def extent(length, deviation):
+    """The ends of a panel, m."""
+    half = 0.5 * length.value  # the program looks no farther for a loss of 1 %
+    below, above = (min(half, max(REACH * loss, 2 * deviation))
+                    for loss in (length.shorter, length.longer))
+    if is_free(length):
+        low, high = length.bounds
+        beyond = BEYOND * (below + above)
+        below, above = (min(below, length.value - low + beyond),
+                        min(above, high - length.value + beyond))
+    return length.value - below, length.value + above
+
+
+def axis_text(low, high):
+    """An axis of about DESIGNS values between two lengths, as first:last:step."""
+    step = float(f"{(high - low) / DESIGNS:.2g}")
+    first, last = (step * round(value / step) for value in (low + step, high - step))
+    return f"{first:.12g}:{last:.12g}:{step:.12g}"
+
+
+def sweep(program, job, directory, name):
+    """Sweeps a job with explicit axes, of which only `name` has several values; its archive."""
+    path, output = (os.path.join(directory, name + suffix) for suffix in (".cfg", ".h5"))
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(job_text(job))
+    check(run_program(program, "sweep", path, "--output.file", output))
+    return Archive(output)
+
+
+def sweep_panels(program, optimum):
+    """{name: Archive} with the objective and the constrained fields of each panel's designs."""
+    fields = {optimum.objective, *(constraint.field for constraint in optimum.constraints)}
+    job = {**without_sections(accurate_job(optimum.job), "lattice", "output", "optimum"),
+           ("solver", "check"): "no", ("output", "fields"): ", ".join(sorted(fields))}
+    fixed = {("lattice", name): repr(length.value) for name, length in optimum.lengths.items()}
+    with tempfile.TemporaryDirectory() as directory:
+        return {name: sweep(program, {**job, **fixed, ("lattice", name): axis_text(
+            *extent(optimum.lengths[name], optimum.deviation))}, directory, name)
+            for name in PANELS}
+
+
+def dataset(field):
+    """The name of a field's dataset."""
+    return field.replace("-", "_")
+
+
+def amount(value, unit, digits=6):
+    """A value with its unit, as text."""
+    factor, unit = readable_unit(unit, abs(value))
+    return f"{factor * value:.{digits}g} {unit}".rstrip()
+
+
+def with_zeros(x, y):
+    """The points of a piecewise linear curve, and those where it crosses zero."""
+    first = np.flatnonzero(y[:-1] * y[1:] < 0)
+    zeros = x[first] - y[first] * (x[first + 1] - x[first]) / (y[first + 1] - y[first])
+    order = np.argsort(np.concatenate([x, zeros]), kind="stable")
+    return (np.concatenate([x, zeros])[order],
+            np.concatenate([y, np.zeros(len(zeros))])[order])
+
+
+def draw_regions(axes, archive, name, constraints):
+    """Shades the designs that violate each constraint, over the height of the panel."""
+    for constraint, colour in zip(constraints, COLOURS * len(constraints)):
+        field = dataset(constraint.field)
+        x = archive.axes[name]
+        excess = constraint.sign * (archive.read(field).ravel() - constraint.limit)
+        if (excess > 0).any():
+            x, excess = with_zeros(x, excess)
+            axes.fill_between(x, 0, 1, where=excess >= 0, transform=axes.get_xaxis_transform(),
+                              color=colour, alpha=0.18, linewidth=0, zorder=0.5,
+                              label=f"{constraint.field} {'>' if constraint.sign > 0 else '<'} "
+                                    f"{amount(constraint.limit, archive.unit(field))}")
+
+
+def draw_bounds(axes, length):
+    """Draws the bounds of the lattice, unless the length is fixed."""
+    for bound in length.bounds if is_free(length) else ():
+        axes.axvline(bound, color="black", linestyle=":", label="bound of the lattice")
+
+
+def draw_deviation(axes, length, optimum, factor, unit):
+    """Draws the deviation of a length, and the worst and the expected objective."""
+    unreleased = "" if optimum.worst is not None else ", with designs that have no release"
+    axes.axvspan(length.value - optimum.deviation, length.value + optimum.deviation, linewidth=0,
+                 color="tab:green", alpha=0.15,
+                 label=f"deviation of up to {1000 * optimum.deviation:g} mm{unreleased}")
+    for word, value, style in (("expected", optimum.expected, "--"), ("worst", optimum.worst, "-.")):
+        if value is not None:
+            axes.axhline(factor * value, color="tab:green", linestyle=style, linewidth=1,
+                         label=f"{word} value, all lengths off by up to that: "
+                               f"{amount(value, unit)}")
+
+
+def draw_loss(axes, length, least):
+    """Draws the value 1 % below the optimum, and where the objective falls below it."""
+    axes.axhline(least, color="grey", linewidth=0.8, label="1 % less than the optimum")
+    ends = [length.value + loss for loss in (-length.shorter, length.longer) if np.isfinite(loss)]
+    axes.plot(ends, [least] * len(ends), "|", color="black", markersize=10,
+              label="where 1 % is lost")
+
+
+def loss_text(length):
+    """How much shorter and longer a length may be before 1 % is lost."""
+    sides = [f"any length {word}" if np.isinf(loss) else f"{1000 * loss:.3g} mm {word}"
+             for loss, word in ((length.shorter, "shorter"), (length.longer, "longer"))]
+    return "1 % less: " + " or ".join(sides)
+
+
+def draw_panel(axes, archive, name, optimum):
+    """Draws the objective against a length."""
+    length, field = optimum.lengths[name], dataset(optimum.objective)
+    factor = readable_unit(archive.unit(field), abs(optimum.value))[0]
+    least = optimum.value - 0.01 * abs(optimum.value)
+    if optimum.deviation > 0:
+        draw_deviation(axes, length, optimum, factor, archive.unit(field))
+    axes.plot(archive.axes[name], factor * archive.read(field).ravel(), color="tab:blue",
+              label=f"{optimum.objective} of the designs")
+    draw_bounds(axes, length)
+    draw_loss(axes, length, factor * least)
+    axes.plot(length.value, factor * optimum.value, "*", color="red", markeredgecolor="black",
+              markersize=14, zorder=3,
+              label=f"optimum: {amount(optimum.value, archive.unit(field), 8)}")
+    axes.set_xlim(*archive.axes[name][[0, -1]])
+    axes.xaxis.set_major_locator(plt.MaxNLocator(6))
+    axes.set_xlabel(f"{archive.long_name(name)} {name} (m)")
+    axes.set_title(f"{name} = {length.value:.7f} m{'' if is_free(length) else ' (fixed)'}\n"
+                   f"{loss_text(length)}", fontsize=11)
+
+
+def set_heights(panels, optimum, factor):
+    """Gives all panels the same vertical axis: what is drawn, as far as it is near the optimum."""
+    bottoms, tops = zip(*(axes.get_ylim() for axes in panels))
+    margin = HEIGHT * (abs(optimum.value) or np.inf)
+    lowest = optimum.value if optimum.worst is None else min(optimum.value, optimum.worst)
+    for axes in panels:
+        axes.set_ylim(max(min(bottoms), factor * (lowest - margin)),
+                      min(max(tops), factor * (optimum.value + margin)))
+
+
+def title(name, optimum, archive):
+    """The title: the job, the optimum and its constraints."""
+    texts = [f"{c.field} {'<=' if c.sign > 0 else '>='} "
+             f"{amount(c.limit, archive.unit(dataset(c.field)))}" for c in optimum.constraints]
+    text = f"{name}: neighbourhood of the {WORDS[optimum.job['optimum', 'robust']]}, " \
+           f"{optimum.objective} {amount(optimum.value, archive.unit(dataset(optimum.objective)))}"
+    return f"{text}, subject to {', '.join(texts)}" if texts else text
+
+
+def draw(name, optimum, archives):
+    """The figure: a panel for each length, and the legend below them."""
+    figure, axes = plt.subplot_mosaic([[*PANELS], ["legend"] * len(PANELS)], figsize=(14, 6.6),
+                                      gridspec_kw={"height_ratios": (5, 1)})
+    archive, field = archives[PANELS[0]], dataset(optimum.objective)
+    factor, unit = readable_unit(archive.unit(field), abs(optimum.value))
+    panels = [axes[length] for length in PANELS]
+    for panel, length in zip(panels, PANELS):
+        draw_panel(panel, archives[length], length, optimum)
+    set_heights(panels, optimum, factor)
+    for panel, length in zip(panels, PANELS):
+        draw_regions(panel, archives[length], length, optimum.constraints)
+    panels[0].set_ylabel(wrapped(labelled(archive.long_name(field), unit), 5))
+    entries = {text: handle for panel in panels
+               for handle, text in zip(*panel.get_legend_handles_labels())}
+    axes["legend"].set_axis_off()
+    axes["legend"].legend(entries.values(), entries.keys(), loc="center", ncol=3, fontsize=9)
+    set_title(figure, title(name, optimum, archive))
+    return figure
+
+
+def main():
+    split = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    parser = Parser(__doc__)
+    parser.usage = "%(prog)s [-h] [--program PROGRAM] [-o PICTURE] JOB [-- OPTIONS]"
+    parser.add_argument("job", metavar="JOB", help="job file")
+    parser.add_argument("--program", help=PROGRAM_HELP)
+    parser.add_argument("-o", "--output", metavar="PICTURE", help=OUTPUT_HELP + "default: the "
+                        "job's name with -neighbourhood.png, in the working directory")
+    arguments = parser.parse_args(sys.argv[1:split])
+
+    name = os.path.splitext(os.path.basename(arguments.job))[0]
+    output = arguments.output or f"{name}-neighbourhood.png"
+    check_output(output, arguments.job)
+    program = find_program(arguments.program)
+    optimum = read_optimum(parse_optimum(run_program(program, "optimum", arguments.job, "--json",
+                                                     *sys.argv[split + 1:])))
+    save(draw(name, optimum, sweep_panels(program, optimum)), output)
+
+
+if __name__ == "__main__":
+    run(main)
