@@ -2,37 +2,77 @@
 """Prints the optimum of an archive as options of `trebsweep trace`.
 
 The optimum is the design with the largest optimum.objective, by default the fastest, among those
-that satisfy the job's constraints; in a partial archive, that of the designs done so far. If there
-is none, nothing is printed on stdout, and the exit code is 0.
+that satisfy the job's constraints; in a partial archive, that of the designs done so far. With
+--continuous it is the one that `trebsweep optimum` finds between the designs of the lattice. If
+there is none, nothing is printed on stdout, and the exit code is 0.
 
   trebsweep trace as-run.cfg $(optimum.py accurate.h5 --job as-run.cfg) > swing.txt
 """
 
+import os
+import tempfile
+
 from program import Parser, fail, note, refuse_overwriting, run  # before missing modules
 
-from archive import Archive
+from archive import AXES, Archive
+from job import accurate_job, job_text
+from launch import PROGRAM_HELP, find_program, parse_optimum, run_program
+
+NO_OPTIMUM = 1  # exit code of `trebsweep optimum`
+
+
+def write(path, text):
+    """Writes a file; ends the program if that fails."""
+    try:
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+    except OSError as error:
+        fail(f"{path}: cannot be written: {error.strerror}")
+
+
+def lattice_optimum(archive):
+    """{axis: value in m} of the optimum of an archive, or None."""
+    optimum = archive.optimum()
+    if optimum is None:
+        note(f"{archive.path}: has no optimum: {archive.best_text()}")
+    return optimum and optimum[0]
+
+
+def continuous_optimum(program, text):
+    """{axis: value in m} of the optimum that a search with the job `text` finds, or None."""
+    with tempfile.TemporaryDirectory() as directory:
+        job = os.path.join(directory, "job.cfg")
+        write(job, text)
+        done = run_program(program, "optimum", job, "--json")
+    if done.returncode == NO_OPTIMUM and done.stderr:
+        note(done.stderr)
+        return None
+    found = parse_optimum(done)
+    return {name: found[name] for name in AXES}
 
 
 def main():
     parser = Parser(__doc__)
     parser.add_argument("archive", metavar="ARCHIVE",
                         help="archive of a sweep, complete or partial")
-    parser.add_argument("--job", metavar="FILE", help="also write the job as it was run to FILE")
+    parser.add_argument("--continuous", action="store_true",
+                        help="search between the designs of the lattice")
+    parser.add_argument("--job", metavar="FILE", help="also write the job to FILE: as it was run, "
+                        "or with --continuous with an accurate solver, as the search has it")
+    parser.add_argument("--program", help=PROGRAM_HELP)
     arguments = parser.parse_args()
 
     archive = Archive(arguments.archive)
+    job = job_text(accurate_job(archive.job)) if arguments.continuous else archive.attributes["job"]
     if arguments.job:
         refuse_overwriting("job", arguments.job, arguments.archive)
-        try:
-            with open(arguments.job, "w", encoding="utf-8") as file:
-                file.write(archive.attributes["job"])
-        except OSError as error:
-            fail(f"{arguments.job}: cannot be written: {error.strerror}")
-    optimum = archive.optimum()
-    if optimum is None:
-        note(f"{arguments.archive}: has no optimum: {archive.best_text()}")
-        return
-    print(" ".join(f"--{name} {value!r}" for name, value in optimum[0].items()))
+        write(arguments.job, job)
+    if arguments.continuous:
+        design = continuous_optimum(find_program(arguments.program), job)
+    else:
+        design = lattice_optimum(archive)
+    if design is not None:
+        print(" ".join(f"--{name} {value!r}" for name, value in design.items()))
 
 
 if __name__ == "__main__":

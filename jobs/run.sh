@@ -44,13 +44,16 @@ archive=results/$name.h5
 mpirun -n "$ranks" $program sweep "$job" --output.file "$archive" "$@"
 
 $python analysis/heatmap.py "$archive" -o "results/$name.png"
-# The swing of the optimum, with the job stored in the archive.
-design=$($python analysis/optimum.py "$archive" --job "results/$name-as-run.cfg")
+# The optimum between the designs of the lattice, if there is one: what `trebsweep optimum` reports, its swing and its
+# neighbourhood. The job is the archive's, with an accurate solver.
+design=$($python analysis/optimum.py "$archive" --continuous --job "results/$name-optimum.cfg")
 if [[ -n $design ]]; then
+  mpirun -n "$ranks" $program optimum "results/$name-optimum.cfg" | tee "results/$name-optimum.txt"
   # shellcheck disable=SC2086  # three options with their values
-  $program trace "results/$name-as-run.cfg" $design >"results/$name-optimum.txt"
+  $program trace "results/$name-optimum.cfg" $design >"results/$name-swing.txt"
   # shellcheck disable=SC2086
-  $program trace "results/$name-as-run.cfg" $design --flight >"results/$name-flight.txt"
-  $python analysis/trajectory.py "results/$name-optimum.txt" --flight "results/$name-flight.txt" \
-    -o "results/$name-optimum.png"
+  $program trace "results/$name-optimum.cfg" $design --flight >"results/$name-flight.txt"
+  $python analysis/trajectory.py "results/$name-swing.txt" --flight "results/$name-flight.txt" \
+    -o "results/$name-swing.png"
+  $python analysis/neighbourhood.py "results/$name-optimum.cfg" -o "results/$name-neighbourhood.png"
 fi
