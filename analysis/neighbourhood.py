@@ -80,14 +80,14 @@ def is_free(length):
 def extent(length, deviation):
     """The ends of a panel, m."""
     half = 0.5 * length.value  # the program looks no farther for a loss of 1 %
-    below, above = (min(half, max(REACH * loss, 2 * deviation))
-                    for loss in (length.shorter, length.longer))
+    below, above = (min(half, REACH * loss) for loss in (length.shorter, length.longer))
     if is_free(length):
         low, high = length.bounds
         beyond = BEYOND * (below + above)
         below, above = (min(below, length.value - low + beyond),
                         min(above, high - length.value + beyond))
-    return length.value - below, length.value + above
+    least = min(half, 1.2 * deviation)
+    return length.value - max(below, least), length.value + max(above, least)
 
 
 def axis_text(low, high):

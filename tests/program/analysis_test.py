@@ -5,6 +5,7 @@ Needs TREBSWEEP (the program, in its build directory) in the environment.
 
 import contextlib
 import io
+import json
 import os
 import random
 import shutil
@@ -21,6 +22,7 @@ from support import JOBS, PROGRAM, REPOSITORY, DirectoryTest
 ANALYSIS = os.path.join(REPOSITORY, "analysis")
 SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml", "eps": b"%!PS", "jpg": b"\xff\xd8"}
 SCRIPTS = ("assess.py", "compare.py", "heatmap.py", "loads.py", "optimum.py", "trajectory.py")
+EVERY_SCRIPT = (*SCRIPTS, "machine.py", "neighbourhood.py")
 FIELDS = "speed, status, slack, release-time, peak-axle-load, peak-beam-stress, range, energy-drift"
 DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
 
@@ -53,6 +55,7 @@ import heatmap  # noqa: E402  (found by the path)
 import loads  # noqa: E402
 import machine  # noqa: E402
 import maps  # noqa: E402
+import neighbourhood  # noqa: E402
 import trajectory  # noqa: E402
 from archive import AXES, Archive  # noqa: E402
 from picture import plt  # noqa: E402
@@ -382,6 +385,29 @@ class Reports(PictureTest):
         self.assertRegex(done.stdout, r"^--r1 [\d.]+ --r3 [\d.]+ --r2 [\d.]+\n$")
         self.assertIn(b"stepper = vern8\n", self.read("accurate-job.cfg"))
 
+    def test_the_continuous_optimum_of_an_archive_is_that_of_its_job(self):
+        self.sweep("paper", "--solver.time-step", "0.002", "--optimum.objective", "efficiency", name="fine")
+        done = self.run_script("optimum.py", "fine.h5", "--continuous", "--job", "fine.cfg", "--program",
+                               PROGRAM)
+        found = json.loads(self.run_program("optimum", f"{JOBS}/accurate.cfg", "--json",
+                                            "--optimum.objective", "efficiency").stdout)
+        words = done.stdout.split()
+        self.assertEqual(words[::2], ["--r1", "--r3", "--r2"])
+        np.testing.assert_allclose(np.array(words[1::2], float), [found[name] for name in AXES], atol=1e-9)
+        self.sweep(self.path("fine"), *(word.replace("--", "--lattice.") for word in words),
+                   "--output.fields", "efficiency", name="efficiency")
+        with h5py.File(self.path("efficiency.h5")) as file:
+            self.assertAlmostEqual(file["efficiency"][0, 0, 0], found["value"], places=7)
+
+    def test_without_a_continuous_optimum_no_options_are_printed(self):
+        self.sweep("accurate", "--optimum.subject-to", "peak-axle-load <= 1", name="overloaded")
+        done = self.run_script("optimum.py", "overloaded.h5", "--continuous", "--program", PROGRAM,
+                               says="the constraints exclude every design")
+        self.assertEqual(done.stdout, "")
+        for program in ("no/such/program", "false", "true"):
+            self.run_script("optimum.py", "accurate.h5", "--continuous", "--program", program, code=1,
+                            says=program)
+
     def test_invalid_options_are_refused_with_what_is_allowed(self):
         for script, arguments, words in (
                 ("heatmap.py", ["accurate.h5", "--field", "mass"],
@@ -487,6 +513,198 @@ class Swings(ScriptTest):
                 with h5py.File(self.path("r.h5")) as file:
                     self.assertAlmostEqual(rows["x3"][-1], file["range"][0, 0, 0], places=6)
                     self.assertAlmostEqual(np.ptp(rows["y3"]), file["apex"][0, 0, 0], places=3)
+
+
+class Neighbourhoods(ScriptTest):
+    """The picture of the paper's machine with a weaker beam and a longest counterweight's arm, and others."""
+
+    JOB = f"{JOBS}/accurate.cfg"
+    WEAK = ("--optimum.subject-to", "peak-beam-stress <= 6e7, least-sling-tension >= 0",
+            "--optimum.deviation", "0.01", "--lattice.r1", "0.52:1:0.01")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.optimum = cls.find(cls.JOB, *cls.WEAK)
+        cls.archives = neighbourhood.sweep_panels(PROGRAM, cls.optimum)
+
+    @staticmethod
+    def find(job, *options):
+        done = subprocess.run([PROGRAM, "optimum", job, "--json", *options], check=True,
+                              capture_output=True, text=True, timeout=120)
+        return neighbourhood.read_optimum(json.loads(done.stdout))
+
+    def figure(self, optimum=None, archives=None):
+        """The figure of an optimum, by default that of the weaker beam."""
+        optimum = optimum or self.optimum
+        figure = neighbourhood.draw("job", optimum, archives or neighbourhood.sweep_panels(PROGRAM, optimum))
+        self.addCleanup(plt.close, figure)
+        return figure
+
+    def panels(self):
+        """(name, {label: artist}) of each panel of the weaker beam."""
+        for name, axes in zip(neighbourhood.PANELS, self.figure(archives=self.archives).axes):
+            handles, labels = axes.get_legend_handles_labels()
+            yield name, dict(zip(labels, handles))
+
+    def swing(self, name, value):
+        """The rows of the swing of the optimum with another value of a length."""
+        lengths = {axis: length.value for axis, length in self.optimum.lengths.items()} | {name: value}
+        design = [word for axis in AXES for word in (f"--{axis}", repr(float(lengths[axis])))]
+        return trajectory.read_table(self.trace("--solver.tolerance", "1e-12", "--interval", "0.0005",
+                                                design=design)).rows
+
+    def box(self, count):
+        """The speeds of `count` values per length within the deviation of the optimum."""
+        d = self.optimum.deviation
+        axes = [word for name, length in self.optimum.lengths.items()
+                for word in (f"--lattice.{name}", f"{length.value - d!r}:{length.value + d!r}:"
+                                                  f"{2 * d / (count - 1)!r}")]
+        with h5py.File(self.sweep("accurate", *axes, name=f"box{count}")) as file:
+            self.assertEqual(file["speed"].shape, (count,) * 3)
+            return file["speed"][...]
+
+    def test_the_curves_pass_through_traced_designs_and_the_optimum(self):
+        for name, drawn in self.panels():
+            x, speed = drawn["speed of the designs"].get_data()
+            for i in (20, 100, 180):
+                self.assertAlmostEqual(speed[i], self.swing(name, x[i])["speed"][-1], places=6)
+            star = next(line for label, line in drawn.items() if label.startswith("optimum: "))
+            self.assertEqual(float(star.get_xdata()), self.optimum.lengths[name].value)
+            speed = self.swing(name, float(star.get_xdata()))["speed"][-1]
+            self.assertAlmostEqual(float(star.get_ydata()), speed, places=8)
+
+    def test_the_marks_are_where_1_percent_is_lost(self):
+        for name, drawn in self.panels():
+            least = drawn["1 % less than the optimum"].get_ydata()[0]
+            self.assertAlmostEqual(least, 0.99 * self.optimum.value, places=12)
+            for x in drawn["where 1 % is lost"].get_xdata():
+                self.assertAlmostEqual(self.swing(name, x)["speed"][-1], least, places=5)
+
+    def test_the_region_in_which_the_beam_is_overloaded_is_shaded(self):
+        shaded = {}
+        for name, drawn in self.panels():
+            for label, artist in drawn.items():
+                if ">" in label or "<" in label:
+                    shaded.setdefault(label, {})[name] = artist.get_paths()
+        self.assertEqual(set(shaded), {"peak-beam-stress > 60 MPa"})
+        regions = shaded["peak-beam-stress > 60 MPa"]
+        self.assertEqual(set(regions), set(AXES))
+        for name, (path,) in regions.items():
+            axis, ends = self.archives[name].axes[name], path.vertices[:, 0]
+            self.assertAlmostEqual(ends.min(), self.optimum.lengths[name].value, places=5)  # it is active
+            self.assertGreater(self.swing(name, ends.mean())["stress"].max(), 6e7)
+            for end in {ends.min(), ends.max()} - {axis[-1]}:
+                self.assertAlmostEqual(self.swing(name, end)["stress"].max() / 6e7, 1, places=4)
+
+    def test_a_region_ends_where_its_field_crosses_the_limit(self):
+        x, y = neighbourhood.with_zeros(np.arange(6.0), np.array([-1, 3, np.nan, 2, -2, 0]))
+        np.testing.assert_array_equal(x, [0, 0.25, 1, 2, 3, 3.5, 4, 5])
+        np.testing.assert_array_equal(y, [-1, 0, 3, np.nan, 2, 0, -2, 0])
+
+    def test_the_worst_and_the_expected_value_are_those_of_a_box_of_designs(self):
+        weights = np.array([1, 4, 2, 4, 2, 4, 2, 4, 1]) / 24  # Simpson's rule
+        speeds = self.box(9)
+        expected = np.einsum("ijk,i,j,k", speeds, weights, weights, weights)
+        for name, drawn in self.panels():
+            lines = {label.split()[0]: line for label, line in drawn.items() if "off by up to" in label}
+            self.assertAlmostEqual(lines["worst"].get_ydata()[0], speeds.min(), places=6)
+            self.assertAlmostEqual(lines["expected"].get_ydata()[0], expected, places=4)
+            band = drawn["deviation of up to 10 mm"].get_xy()[:, 0]
+            centre = self.optimum.lengths[name].value
+            np.testing.assert_allclose([band.min(), band.max()], [centre - 0.01, centre + 0.01])
+
+    def test_a_deviation_with_designs_without_a_release_has_no_worst_value(self):
+        optimum = self.find(self.JOB, "--optimum.deviation", "0.02")
+        self.assertIsNone(optimum.worst)
+        labels = self.figure(optimum).axes[0].get_legend_handles_labels()[1]
+        self.assertIn("deviation of up to 20 mm, with designs that have no release", labels)
+        self.assertFalse([label for label in labels if "worst" in label or "expected" in label])
+
+    def test_designs_without_a_release_are_a_gap(self):
+        axes = self.figure(self.find(self.JOB)).axes[0]
+        line = next(line for line in axes.get_lines() if line.get_label() == "speed of the designs")
+        np.testing.assert_array_equal(np.isnan(line.get_ydata()), line.get_xdata() <= 0.5)  # h - h0
+        self.assertTrue(np.isnan(line.get_ydata()).any())
+
+    def test_the_panels_hold_the_deviation_and_little_beyond_the_bounds(self):
+        for name, archive in self.archives.items():
+            length, (first, last) = self.optimum.lengths[name], archive.axes[name][[0, -1]]
+            self.assertLess(first, length.value - 0.01)
+            self.assertGreater(last, length.value + 0.01)
+            self.assertLess(last, length.bounds[1] + 0.1 * (last - first))
+            self.assertAlmostEqual(len(archive.axes[name]), 200, delta=10)
+
+    def test_the_bounds_are_those_of_the_lattice(self):
+        bounds = {name: length.bounds for name, length in self.optimum.lengths.items()}
+        r2, r3 = (self.optimum.lengths[name].value for name in ("r2", "r3"))
+        for name, low, high in (("r1", 0.52, 1), ("r2", 0, 1.5 - r3), ("r3", 0.3, 1.5 - r2)):
+            np.testing.assert_allclose(bounds[name], (low, high), atol=1e-9)
+        lines = {name: drawn.get("bound of the lattice") for name, drawn in self.panels()}
+        self.assertEqual(lines["r1"].get_xdata()[0], 1)
+
+    def test_titles_and_labels_name_the_values_with_their_units(self):
+        figure = self.figure(archives=self.archives)
+        self.assertEqual(figure._suptitle.get_text().replace("\n", " "),
+                         f"job: neighbourhood of the optimum, speed {self.optimum.value:.6g} m/s, "
+                         "subject to peak-beam-stress <= 60 MPa, least-sling-tension >= 0 N")
+        for name, axes in zip(neighbourhood.PANELS, figure.axes):
+            length = self.optimum.lengths[name]
+            self.assertEqual(axes.get_title(), f"{name} = {length.value:.7f} m\n1 % less: {1000 * length.shorter:.3g}"
+                                               f" mm shorter or {1000 * length.longer:.3g} mm longer")
+            self.assertTrue(axes.get_xlabel().endswith(f" {name} (m)"))
+        self.assertEqual(figure.axes[0].get_ylabel(), "speed of the projectile at release (m/s)")
+
+    def test_a_fixed_length_is_drawn_around_its_value_and_without_bounds(self):
+        optimum = self.find(self.JOB, "--lattice.r2", "0.9", "--optimum.objective", "kinetic-energy",
+                            "--output.optimum", "taut")
+        axes = self.figure(optimum).axes[1]
+        self.assertTrue(axes.get_title().startswith("r2 = 0.9000000 m (fixed)\n"))
+        self.assertLess(axes.get_xlim()[0], 0.89)
+        self.assertGreater(axes.get_xlim()[1], 0.91)
+        self.assertNotIn("bound of the lattice", axes.get_legend_handles_labels()[1])
+        self.assertIn(f"kinetic-energy {optimum.value / 1000:.6g} kJ, subject to least-sling-tension >= 0 N",
+                      axes.figure._suptitle.get_text().replace("\n", " "))
+
+    def test_designs_are_integrated_accurately_whatever_the_jobs_stepper(self):
+        job = self.write("euler.cfg", "[solver]\nstepper = euler\ntime-step = 0.02\nrelease = window\n"
+                                      "release-window = 0.1\n")
+        archives = neighbourhood.sweep_panels(PROGRAM, self.find(job))
+        accurate = neighbourhood.sweep_panels(PROGRAM, self.find(self.JOB))
+        for name in neighbourhood.PANELS:
+            np.testing.assert_allclose(archives[name].read("speed"), accurate[name].read("speed"), rtol=1e-8)
+
+    def test_neighbourhoods_are_drawn_in_every_format_and_nothing_is_cut(self):
+        laboratory = self.write("laboratory.cfg", LABORATORY)
+        long = self.write("a_long_name_of_a_job_" * 8 + ".cfg", "")
+        for job, *options in ((laboratory, "--optimum.objective", "range"),
+                              (long, *self.WEAK), (self.JOB, "--lattice.r1", "0.55")):
+            self.run_script("neighbourhood.py", job, "-o", "n.png", "--program", PROGRAM, "--", *options)
+            self.assert_nothing_is_cut("n.png")
+        self.run_script("neighbourhood.py", laboratory, "--program", PROGRAM)
+        self.assert_picture("laboratory-neighbourhood.png")
+        for suffix in SIGNATURES:
+            self.run_script("neighbourhood.py", self.JOB, "-o", f"n.{suffix}", "--program", PROGRAM)
+            self.assert_picture(f"n.{suffix}")
+
+    def test_failures_are_reported_on_one_line(self):
+        self.write("job", "[scene]\n")
+        for arguments, code, words in (
+                ([], 2, "the following arguments are required: JOB"),
+                (["missing.cfg"], 2, "missing.cfg: No such file"),
+                (["job", "-o", "job"], 2, "output = job: must not be an input file"),
+                (["job", "-o", "n.xyz"], 2, "output = n.xyz: must end"),
+                (["job", "--lattice.r1", "1"], 2, "--lattice.r1"),
+                (["job", "--", "--optimum.objective", "mass"], 2, "optimum.objective = mass: must be"),
+                (["job", "--", "--fast"], 2, "--fast: unknown option"),
+                (["job", "--", "--optimum.subject-to", "peak-axle-load <= 1"], 1, "exclude every design"),
+                (["job", "--program", "no/such/program"], 1, "no/such/program: cannot be started"),
+                (["job", "--program", "false"], 1, "false: optimum failed with exit code 1"),
+                (["job", "--program", "true"], 1, "true: printed no optimum")):
+            with self.subTest(arguments=arguments):
+                program = [] if "--program" in arguments else ["--program", PROGRAM]
+                self.run_script("neighbourhood.py", *program, *arguments, code=code, says=words)
+        self.assertEqual(self.read("job"), b"[scene]\n")
 
 
 class Machine(ScriptTest):
@@ -697,7 +915,7 @@ class Failures(ScriptTest):
                 self.assertRegex(done.stderr, r"^damaged\.h5: .*\n$")
 
     def test_missing_modules_are_reported(self):
-        for script in (*SCRIPTS, "machine.py"):
+        for script in EVERY_SCRIPT:
             with self.subTest(script=script):  # -S: without installed packages
                 done = self.run_script(script, "archive.h5", code=1, says="cannot import",
                                        python=["-S"])
@@ -718,7 +936,7 @@ class Failures(ScriptTest):
 class Installed(ScriptTest):
     def test_every_script_runs_by_its_name(self):
         os.symlink(sys.executable, self.path("python3"))
-        for script in (*SCRIPTS, "machine.py"):
+        for script in EVERY_SCRIPT:
             done = subprocess.run([f"{ANALYSIS}/{script}", "--help"], text=True, capture_output=True,
                                   check=True, timeout=60,
                                   env={"PATH": self.directory, "PYTHONDONTWRITEBYTECODE": "1"})
@@ -730,7 +948,7 @@ class Installed(ScriptTest):
         subprocess.run(["cmake", "--install", os.path.dirname(PROGRAM), "--prefix", self.directory],
                        check=True, capture_output=True, timeout=120)
         share = self.path("share/trebsweep")
-        for script in (*SCRIPTS, "machine.py"):
+        for script in EVERY_SCRIPT:
             self.assertTrue(os.access(f"{share}/analysis/{script}", os.X_OK), script)
         for name in ("jobs/paper.cfg", "jobs/scenes/wood.cfg", "jobs/slurm.sh", "jobs/pbs.sh"):
             source, copy = f"{REPOSITORY}/{name}", f"{share}/{name}"
@@ -742,6 +960,9 @@ class Installed(ScriptTest):
                                 "--count", "1", PATH="/nowhere")
         self.assertEqual(done.stderr, "")
         self.assert_picture("small-loads.png")
+        self.run_command(sys.executable, "-B", f"{share}/analysis/neighbourhood.py",
+                         f"{share}/jobs/accurate.cfg", PATH="/nowhere")
+        self.assert_picture("accurate-neighbourhood.png")
 
 
 if __name__ == "__main__":
