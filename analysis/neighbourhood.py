@@ -44,8 +44,9 @@ Constraint = namedtuple("Constraint", "field sign limit")
 # objective is lost (inf: any length), m.
 Length = namedtuple("Length", "value bounds shorter longer")
 
-# What `trebsweep optimum` found for a job {(section, key): value}: lengths {name: Length}; the worst
-# and the expected value under the deviation, None without or if designs in it have no release.
+# What `trebsweep optimum` found for a job {(section, key): value}: its lengths {name: Length}; the
+# worst and the expected value under the deviation, None without one or if designs in it have no
+# release.
 Optimum = namedtuple("Optimum", "job objective value lengths constraints deviation worst expected")
 
 
@@ -164,7 +165,8 @@ def draw_deviation(axes, length, optimum, factor, unit):
     axes.axvspan(length.value - optimum.deviation, length.value + optimum.deviation, linewidth=0,
                  color="tab:green", alpha=0.15,
                  label=f"deviation of up to {1000 * optimum.deviation:g} mm{unreleased}")
-    for word, value, style in (("expected", optimum.expected, "--"), ("worst", optimum.worst, "-.")):
+    for word, value, style in (("expected", optimum.expected, "--"),
+                               ("worst", optimum.worst, "-.")):
         if value is not None:
             axes.axhline(factor * value, color="tab:green", linestyle=style, linewidth=1,
                          label=f"{word} value, all lengths off by up to that: "

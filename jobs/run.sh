@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs missing packages, builds the program, sweeps a job and writes its pictures to results/.
+# Installs missing packages, builds the program, sweeps a job, searches for its optimum and draws both into results/.
 #
 #   jobs/run.sh [JOB] [-n RANKS] [-- options]      default: jobs/paper.cfg on 2 ranks
 #   jobs/run.sh jobs/accurate.cfg -n 4 -- --scene.projectile-mass 50

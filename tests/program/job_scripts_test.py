@@ -1,12 +1,15 @@
-"""The job scripts with a stub batch system that records its calls: what they start, and when they requeue."""
+"""The job scripts: with a stub batch system that records its calls, what they start and when they requeue; and what
+run.sh writes."""
 
 import os
+import re
+import shutil
 import signal
 import subprocess
 import time
 import unittest
 
-from support import JOBS, DirectoryTest
+from support import JOBS, MPIEXEC, PROGRAM, REPOSITORY, DirectoryTest
 
 RECORDS_CALL = """#!/usr/bin/env bash
 printf '%s' "$(basename "$0")" >>"$NOTES"
@@ -183,6 +186,48 @@ class Pbs(JobScriptTest):
             code, notes, errors = self.run_script("pbs.sh", code=75, **variables)
             self.assertEqual((code, notes), (2, []))
             self.assertIn(message, errors)
+
+
+class Run(DirectoryTest):
+    """run.sh in a copy of the repository that is built already."""
+
+    def setUp(self):
+        self.empty_directory()
+        for name in ("analysis", "jobs"):
+            shutil.copytree(os.path.join(REPOSITORY, name), self.path(name))
+        for name, text in (("jobs/build.sh", "#!/bin/sh\n"),
+                           ("mpirun", f'#!/bin/sh\nexec {shutil.which(MPIEXEC)} "$@"\n')):
+            os.chmod(self.write(name, text), 0o755)
+        os.makedirs(self.path("build/release"))
+        os.symlink(os.path.abspath(PROGRAM), self.path("build/release/trebsweep"))
+
+    def run_script(self, *options):
+        """Runs it on a coarse lattice; returns what it printed and the names of the results."""
+        done = self.run_command("jobs/run.sh", "-n", "1", "--", "--lattice.increment", "0.05", *options,
+                                PATH=self.directory + ":" + os.environ["PATH"])
+        return done, set(os.listdir(self.path("results")))
+
+    def test_the_optimum_is_reported_and_its_true_swing_and_neighbourhood_are_drawn(self):
+        done, results = self.run_script()
+        self.assertEqual(results, {"paper.h5", "paper.png", "paper-optimum.cfg", "paper-optimum.txt",
+                                   "paper-swing.txt", "paper-flight.txt", "paper-swing.png",
+                                   "paper-neighbourhood.png"})
+        report = self.read("results/paper-optimum.txt").decode()
+        self.assertIn(report, done.stdout)
+        found = re.match(r"optimum +speed ([\d.]+) m/s", report)
+        header, *rows = [line.split() for line in self.read("results/paper-swing.txt").decode().splitlines()
+                         if not line.startswith("#")]
+        self.assertAlmostEqual(float(rows[-1][header.index("speed")]), float(found[1]), places=6)
+        for picture in ("paper.png", "paper-swing.png", "paper-neighbourhood.png"):
+            self.assertTrue(self.read(f"results/{picture}").startswith(b"\x89PNG"))
+            self.assertIn(f"results/{picture}\n", done.stdout)
+
+    def test_a_job_without_an_optimum_is_swept_and_the_reason_printed(self):
+        for option, reason in (("--solver.max-time=0.1", "nothing is released"),
+                               ("--optimum.subject-to=peak-axle-load <= 1", "exclude every design")):
+            done, results = self.run_script(option, "--overwrite")
+            self.assertEqual(results, {"paper.h5", "paper.png", "paper-optimum.cfg"})
+            self.assertIn(reason, done.stderr)
 
 
 if __name__ == "__main__":
