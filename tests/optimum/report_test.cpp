@@ -34,10 +34,10 @@ OptimumResult some_result() {
 
 TEST_CASE("The JSON object has the documented keys, and the values of the result") {
   OptimumResult result = some_result();
-  const auto json = nlohmann::json::parse(to_json(result));
+  const auto json = nlohmann::json::parse(to_json(result, Job{}));
   for (const char* key : {"objective", "value", "error", "r1", "r3", "r2", "release_time", "active",
-                          "gradient", "hessian", "sensitivity", "worst", "expected", "maxima",
-                          "coarse_increment", "designs", "seconds"})
+                          "bounds", "job", "gradient", "hessian", "sensitivity", "worst",
+                          "expected", "maxima", "coarse_increment", "designs", "seconds"})
     CHECK(json.contains(key));
   CHECK(json["objective"] == "range");
   CHECK(json["value"] == result.value);  // to the last bit
@@ -56,7 +56,7 @@ TEST_CASE("The JSON object has the documented keys, and the values of the result
   CHECK(json["worst"].is_null());
   CHECK(json["one_percent_loss"][1][1].is_null());  // infinite
   result.robustness = Robustness{25.5, 26.25};
-  const auto robust = nlohmann::json::parse(to_json(result));
+  const auto robust = nlohmann::json::parse(to_json(result, Job{}));
   CHECK(robust["worst"] == 25.5);
   CHECK(robust["expected"] == 26.25);
 }
@@ -77,7 +77,7 @@ TEST_CASE("The text has the value, the design, what each limit is worth, and the
   result.robustness = Robustness{25.5, 26.25};
   CHECK_THAT(to_text(result, job), contains("off by up to 0.003 m: worst 25.5, expected 26.25 m"));
   result.active.clear();
-  CHECK_THAT(to_text(result, job), contains("none is reached"));
+  CHECK_THAT(to_text(result, job), contains("none is active"));
 }
 
 TEST_CASE("A sensitivity is per 1 % of the key, or per unit where the key is 0") {
