@@ -77,7 +77,7 @@ TEST_CASE("The text has the value, the design, what each limit is worth, and the
   result.robustness = Robustness{25.5, 26.25};
   CHECK_THAT(to_text(result, job), contains("off by up to 0.003 m: worst 25.5, expected 26.25 m"));
   result.active.clear();
-  CHECK_THAT(to_text(result, job), contains("none is reached"));
+  CHECK_THAT(to_text(result, job), contains("none is active"));
 }
 
 TEST_CASE("A sensitivity is per 1 % of the key, or per unit where the key is 0") {
