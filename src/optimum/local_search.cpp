@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "trebsweep/optimum/mma.hpp"
 
@@ -68,11 +69,19 @@ Point point_with_values(const NonlinearProgram& program, const VectorXd& x) {
   return point;
 }
 
-KktPoint search_once(const NonlinearProgram& program, const Point& start) {
-  const Point near = search_by_mma(program, start.x);
+/// Newton's solution from a point, unless it fails or leads away.
+std::optional<KktPoint> polished(const NonlinearProgram& program, const Point& near) {
   const KktPoint found = solve_kkt(program, near);
   if (found.converged && !is_clearly_better(near, found.point)) return found;
-  return {zoom(program, near), VectorXd::Zero(found.multipliers.size()), false};
+  return std::nullopt;
+}
+
+KktPoint search_once(const NonlinearProgram& program, const Point& start) {
+  const Point near = search_by_mma(program, start.x);
+  if (const auto found = polished(program, near)) return *found;
+  const Point zoomed = zoom(program, near);
+  const VectorXd none = VectorXd::Zero(program.constraints + 2 * program.variables());
+  return polished(program, zoomed).value_or(KktPoint{zoomed, none, false});
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ std::vector<Design<double>> brute_force(const Job& job, const Lattice& lattice) 
 }
 
 CoarseSweep sweep_of(const Job& job, MPI_Comm comm = MPI_COMM_WORLD) {
-  return coarse_sweep(job, job.lattice, comm);
+  return coarse_sweep(job, job.lattice, ProgressStyle::none, comm);
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ namespace {
 /// Whether this is the only rank: what does not depend on their number is tested once.
 bool is_alone() { return mpi::size(MPI_COMM_WORLD) == 1; }
 
-OptimumResult optimum_of(const Job& job, bool own_lattice = false) {
-  const auto result = find_optimum(job, own_lattice, MPI_COMM_SELF);
+OptimumResult optimum_of(const Job& job) {
+  const auto result = find_optimum(job, {}, MPI_COMM_SELF);
   REQUIRE(result);
   return *result;
 }
@@ -272,7 +272,7 @@ TEST_CASE("The optimum is bitwise the same on any number of ranks") {
                                 {"optimum.subject-to", "peak-axle-load <= 1.6e5"}});
   const Job robust = job_with({{"optimum.deviation", "0.005"}, {"optimum.robust", "worst"}});
   for (const Job& job : {several, robust}) {
-    const auto together = find_optimum(job, false, MPI_COMM_WORLD);
+    const auto together = find_optimum(job, {}, MPI_COMM_WORLD);
     CHECK(together.has_value() == (mpi::rank(MPI_COMM_WORLD) == 0));
     if (together) CHECK(fingerprint(*together) == fingerprint(optimum_of(job)));
   }
@@ -308,7 +308,7 @@ TEST_CASE("Fixed lengths are kept, and without any other the design is the only 
 TEST_CASE("Where there is no optimum, all ranks say why") {
   const auto message = [](const Overrides& options) {
     try {
-      find_optimum(job_with(options), false, MPI_COMM_WORLD);
+      find_optimum(job_with(options), {}, MPI_COMM_WORLD);
     } catch (const NoOptimum& error) {
       return std::string(error.what());
     }
