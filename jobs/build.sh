@@ -5,7 +5,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 packages=(cmake g++ libboost-dev libboost-program-options-dev libeigen3-dev libfmt-dev libhdf5-openmpi-dev
-          libopenmpi-dev libxxhash-dev ninja-build openmpi-bin python3-h5py python3-matplotlib python3-numpy)
+          libnlopt-cxx-dev libopenmpi-dev libxxhash-dev ninja-build nlohmann-json3-dev openmpi-bin python3-h5py
+          python3-matplotlib python3-numpy)
 options=(-DTREBSWEEP_TESTS=OFF) # other cached options are kept, which avoids a rebuild
 [[ -e build/release/CMakeCache.txt ]] || options+=(-DTREBSWEEP_INSTRUCTION_SETS=native)
 if [[ ${1:-} == --tests ]]; then
