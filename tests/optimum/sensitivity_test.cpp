@@ -118,9 +118,11 @@ r2 = 7.5:8.5:0.1
 [solver]
 release = pin
 pin-angle = 0.5)");
-  for (const auto& [job, design] :
-       {std::pair(friction, paper), std::pair(elastic, Design<double>{0.6, 0.6, 0.85}),
-        std::pair(siege, Design<double>{2, 7.5, 8})}) {
+  const std::vector<std::pair<Job, Design<double>>> machines{
+      {friction, paper}, {elastic, {0.6, 0.6, 0.85}}, {siege, {2, 7.5, 8}}};
+  for (const auto& machine : machines) {
+    const Job& job = machine.first;
+    const Design<double>& design = machine.second;
     const DesignProblem problem = design_problem(job, design);
     for (const std::string& name : numeric_scene_keys(job)) {
       const double value = value_of(job, name);

@@ -187,7 +187,7 @@ def optima():
                            (1, "--lattice.shortest-sling=2"), (1, "--scene.release-height=1e3"),
                            (1, "--optimum.subject-to=speed >= 1e6"), (1, "--scene.projectile-mass=1e9"),
                            (1, "--optimum.deviation=1e9", "--optimum.robust=worst"), (0, *fixed),
-                           (0, "--optimum.deviation=1e9"), (0, "--optimum.subject-to="),
+                           (0, "--optimum.deviation=1e9"), (0, "--optimum.subject-to", ""),
                            (0, "--lattice.increment=0.3"), (0, "--optimum.refine=yes")]:
         yield ["optimum", "job.cfg", *options], code
     yield ["sweep", "job.cfg", *TINY, "--json"], 2
