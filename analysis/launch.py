@@ -11,15 +11,15 @@ from program import fail, note
 HERE = os.path.dirname(os.path.abspath(__file__))
 PROGRAMS = (os.path.join(HERE, "..", "build", "release", "trebsweep"),  # built here
             os.path.join(HERE, "..", "..", "..", "bin", "trebsweep"))   # installed
-PROGRAM_HELP = ("path of trebsweep (default: the one built or installed with this script, "
-                "otherwise the one in PATH)")
+PROGRAM_HELP = ("path of trebsweep (default: $TREBSWEEP, otherwise the one built or installed with "
+                "this script, otherwise the one in PATH)")
 
 
 def find_program(given=None):
-    """The given program, else the one built or installed with the scripts, else the one in PATH;
-    ends the script if there is none."""
+    """The given program, else that of the environment, else the one built or installed with the
+    scripts, else the one in PATH; ends the script if there is none."""
     built = [os.path.normpath(path) for path in PROGRAMS if os.access(path, os.X_OK)]
-    found = [given, *built, shutil.which("trebsweep")]
+    found = [given, os.environ.get("TREBSWEEP"), *built, shutil.which("trebsweep")]
     return next(filter(None, found), None) or fail(
         "trebsweep: no such program built or installed with this script, or in PATH; "
         "build it or give --program")

@@ -198,6 +198,7 @@ std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& 
   result.design = result.maxima.front().design;
   const KktPoint optimum = robust ? search_robust(result.design, result.designs)
                                   : search_nominal(result.design, result.designs);
+  result.converged = optimum.converged;
   const VectorXd derivatives = add_active_limits(problem, optimum, result);
   result.sensitivities = all_sensitivities(job, problem, result.design, derivatives, comm);
   if (mpi::rank(comm) != 0) return std::nullopt;

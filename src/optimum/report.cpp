@@ -36,6 +36,10 @@ std::string allowance_text(const Allowance& allowance) {
 
 /// What each limit is worth.
 std::string limits_text(const OptimumResult& result) {
+  if (!result.converged)
+    return "limits     unknown: the objective or a constraint has a kink there, or designs next to "
+           "it "
+           "have no release\n";
   if (result.active.empty()) return "limits     none is active\n";
   std::string text;
   for (const auto& [constraint, units, multiplier] : result.active)
@@ -98,8 +102,10 @@ Json bounds(const DesignSpace& space, const Design<double>& design) {
 std::string to_text(const OptimumResult& result, const Job& job) {
   const std::string unit = after_number(unit_of(result));
   const Solver solver = solver_of("vern8", 1e-13, job.solver);
-  std::string text = fmt::format("optimum    {} {:.10g}{}, error {:.1g}\n",
-                                 info(result.objective).name, result.value, unit, result.error);
+  std::string text =
+      fmt::format("scene      {}\nsolver     {}\n", scene_text(job), solver_text(solver));
+  text += fmt::format("optimum    {} {:.10g}{}, error {:.1g}\n", info(result.objective).name,
+                      result.value, unit, result.error);
   text += fmt::format("design     {}, released at {:.8g} s\n", to_text(result.design),
                       result.release_time);
   text += limits_text(result) + precision_text(result);
@@ -124,6 +130,7 @@ std::string to_json(const OptimumResult& result, const Job& job) {
             {"r3", result.design.r3},
             {"r2", result.design.r2},
             {"release_time", result.release_time},
+            {"converged", result.converged},
             {"active", Json::array()},
             {"bounds", bounds(design_space(job.scene, job.lattice), result.design)},
             {"gradient", result.gradient},

@@ -17,6 +17,7 @@ OptimumResult some_result() {
   result.value = 26.678157123456789;
   result.error = 2e-13;
   result.release_time = 0.89337;
+  result.converged = true;
   result.active = {{"peak-axle-load <= 150000", "N", 1.5e-4}, {"r2 + r3 <= 1.5", "m", 9.5187}};
   result.gradient = {1.25, 2.5, -3.75};
   result.hessian = {{{-11, 12, 13}, {12, -22, 23}, {13, 23, -33}}};

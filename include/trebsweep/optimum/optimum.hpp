@@ -39,7 +39,10 @@ struct OptimumResult {
   double value;         ///< of the objective
   double error;         ///< of the value: its distance from the value in quadruple precision
   double release_time;  ///< s
-  std::vector<ActiveLimit> active;
+  /// Whether the conditions of Karush, Kuhn and Tucker hold. Not where a function has a kink at the
+  /// optimum, or designs next to it have no release.
+  bool converged;
+  std::vector<ActiveLimit> active;               ///< empty if not converged
   std::array<double, 3> gradient;                ///< of the objective, per m
   std::array<std::array<double, 3>, 3> hessian;  ///< per m^2
   std::array<Allowance, 3> allowances;
