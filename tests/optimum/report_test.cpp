@@ -51,6 +51,10 @@ TEST_CASE("The JSON object has the documented keys, and the values of the result
   CHECK(json["hessian"][2] == std::vector<double>{13, 23, -33});
   CHECK(json["sensitivity"]["gravity"] == 0.865);
   CHECK(json["sensitivity_of_optimum"]["sling-mass"] == -0.02);
+  CHECK(json["bounds"][0] == std::vector{0.5, 1.5});
+  CHECK(json["bounds"][1] == std::vector{0.3, 1.5 - 0.91660281});
+  CHECK(json["bounds"][2] == std::vector{0, 1.5 - 0.58339719});
+  CHECK(json["job"] == to_text(Job{}));
   CHECK(json["maxima"].size() == 2);
   CHECK(json["maxima"][1]["r2"] == 0.8);
   CHECK(json["designs"] == 123456);
