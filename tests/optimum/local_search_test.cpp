@@ -2,6 +2,7 @@
 
 #include "optimum/programs.hpp"
 #include "support/catch.hpp"
+#include "trebsweep/optimum/mma.hpp"
 
 using namespace trebsweep;
 using Eigen::VectorXd;
@@ -48,6 +49,20 @@ TEST_CASE("A constraint on the largest of the smallest of several functions is r
     CHECK((found.point.x - vector({0.8, low})).cwiseAbs().maxCoeff() < 1e-8);
     CHECK(found.multipliers(0) > 0);
   }
+}
+
+TEST_CASE("A search is bitwise reproducible, whatever the memory held before") {
+  SolvedProgram cb3 = minimax()[1];
+  const auto values = [f = cb3.program.functions](const VectorXd& x) {
+    const VectorXd v = f(x).col(0);
+    return std::vector{v(0), v(1), v(2), x(0) - 0.8};
+  };
+  const auto find = [&](double remains) {
+    for (std::size_t size = 1; size < 200; ++size) std::vector<double>(size, remains);
+    return search_by_mma(program_of(values, 3, 1, {-1, -1}, {4, 4}), vector({0.5, 0.7})).x;
+  };
+  const VectorXd first = find(0);
+  for (const double remains : {1.0, -3.0, 1e3}) CHECK(find(remains) == first);
 }
 
 TEST_CASE("An optimum at a kink of a constraint is found") {
