@@ -14,7 +14,7 @@
 namespace trebsweep {
 namespace {
 
-constexpr std::uint64_t enough_designs = 100'000;  // a fraction of a second
+constexpr std::uint64_t enough_designs = 300'000;  // a fraction of a second
 constexpr std::size_t enough_values = 200;         // of an axis
 constexpr std::uint64_t max_designs = 100'000'000;
 
@@ -119,7 +119,7 @@ LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec) {
   std::optional<LatticeSpec> chosen;
   std::uint64_t most = 0;
   for (int exponent = 3; exponent > -7; --exponent)
-    for (const double digit : {5, 2, 1}) {
+    for (const double digit : {5.0, 4.0, 3.0, 2.5, 2.0, 1.5, 1.25, 1.0}) {
       const LatticeSpec candidate = with_increment(spec, digit * std::pow(10, exponent));
       try {
         const Lattice lattice(scene, candidate);

@@ -182,7 +182,7 @@ class Repairs(DamageTest):
                 self.flip("job.h5.partial", "speed", tile)
             self.assertEqual(self.repair(compression, ranks=2), f"2 to 3, {last}")
 
-    def flip_in_index(self, tile, byte):
+    def flip_in_index(self, tile, bit):
         """Writes job.h5.partial: plain0.h5 with a bit flipped in the index of status, in a tile's entry."""
         with h5py.File(self.path("plain0.h5")) as archive:
             status = archive["status"]
@@ -191,13 +191,23 @@ class Repairs(DamageTest):
             entry = struct.pack("<II4Q", math.prod(status.chunks), 0, *chunks[tile], 0)
         damaged = bytearray(self.read("plain0.h5"))
         self.assertEqual(damaged.count(entry), 1)
-        damaged[damaged.index(entry) + byte] ^= 128
+        damaged[damaged.index(entry) + bit // 8] ^= 1 << bit % 8
         self.write("job.h5.partial", bytes(damaged))
         self.assertIn(("status", tile), self.verify("job.h5.partial"))
 
+    def bit_that_moves_a_tile_over_another(self, tile):
+        """A bit of the address of a tile's status whose change moves it over another tile's."""
+        with h5py.File(self.path("plain0.h5")) as archive:
+            status = archive["status"].id
+            chunks = [status.get_chunk_info(i) for i in range(status.get_num_chunks())]
+        chunks.sort(key=lambda chunk: chunk.chunk_offset)
+        own, others = chunks[tile], chunks[:tile] + chunks[tile + 1:]
+        return next(bit for bit in range(64) for other in others
+                    if abs((own.byte_offset ^ 1 << bit) - other.byte_offset) < own.size)
+
     def test_a_partial_archive_whose_index_lacks_a_tile_is_refused(self):
         for byte in (24, 32):  # in the offset along r2; in what must be 0
-            self.flip_in_index(1, byte)
+            self.flip_in_index(1, 8 * byte + 7)
             damaged = self.read("job.h5.partial")
             done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
             self.assertIn("damaged: the index of map status lacks tile 1", done.stderr)
@@ -205,7 +215,7 @@ class Repairs(DamageTest):
         os.remove(self.path("job.h5.partial"))
 
     def test_a_tile_written_over_others_is_found_before_the_archive_gets_its_final_name(self):
-        self.flip_in_index(1, 40)  # in the address
+        self.flip_in_index(1, 8 * 40 + self.bit_that_moves_a_tile_over_another(1))
         done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
         self.assertIn("these are not as they were written: ", done.stderr)
         self.assertFalse(os.path.exists(self.path("job.h5")))

@@ -20,8 +20,9 @@ struct CoarseSweep {
   std::vector<Design<double>> maxima;
 };
 
-/// The lattice of a coarse sweep over a job's design space, with the smallest of the increments 1,
-/// 2 and 5 times a power of ten that makes at most 100,000 designs. Explicit axes keep their ends.
+/// The lattice of a coarse sweep over a job's design space: with the smallest of a series of round
+/// increments that makes at most 300,000 designs and 200 values of an axis. Explicit axes keep their
+/// ends.
 LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec);
 
 /// Integrates the designs of a lattice with moderate accuracy on all ranks, which all get the
