@@ -116,7 +116,7 @@ NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Devi
       Index objective = 0, row = objectives;
       for (const Deviation& d : deviations) {
         if (aggregate == Aggregate::mean)
-          result(0, p) += d.weight > 0 ? d.weight * values(0, column) : 0;
+          result(0, p) += d.weight * values(0, column);  // NaN also with a weight of 0
         else if (d.weight > 0)
           result(objective++, p) = values(0, column);
         if (d.constrained) {
@@ -135,8 +135,12 @@ NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Devi
   const auto bound = [&](const std::array<double, 3>& r) {
     return to_variables(problem, {r[0], r[1], r[2]});
   };
-  return {functions, objectives, constraints, bound(problem.space.lower),
-          bound(problem.space.upper)};
+  return {functions,
+          objectives,
+          constraints,
+          bound(problem.space.lower),
+          bound(problem.space.upper),
+          static_cast<Index>(deviations.size())};
 }
 
 NonlinearProgram nominal_program(const DesignProblem& problem, std::uint64_t& integrated) {

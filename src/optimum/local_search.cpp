@@ -48,9 +48,10 @@ bool is_clearly_better(const Point& a, const Point& b) { return is_better_by(1e-
 Point zoom(const NonlinearProgram& program, Point point) {
   constexpr double noise = 1e-11, finest = 1e-9;
   constexpr int max_steps = 40;
+  const Index reach = program.cost < 20 ? 4 : 2;
   double spacing = 1e-2;
   for (int step = 0; step < max_steps && spacing > finest; ++step) {
-    const Point best = best_around(program, point, spacing, 4);
+    const Point best = best_around(program, point, spacing, reach);
     if (is_better_by(noise, best, point))
       point = best;
     else

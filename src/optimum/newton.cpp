@@ -112,36 +112,40 @@ std::vector<Index> nearly_active(const NonlinearProgram& program, const Inequali
 }  // namespace
 
 KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
-  constexpr int max_iterations = 12;
+  constexpr int max_iterations = 60;
   constexpr double enough = 1e-11, converged = 1e-7;  // lengths of the last step
-  constexpr double max_residual = 1e-6;
+  constexpr double max_residual = 1e-6, max_loss = 1e-8, max_reach = 0.05;
   const Index n = program.variables();
   KktPoint solution{start, VectorXd::Zero(program.constraints + 2 * n), false};
-  double reach = 0.05;  // the longest step allowed
-  std::vector<Index> active;
-  VectorXd multipliers;
+  Inequalities c = inequalities(program, start.x);
+  if (!has_derivatives(c)) return solution;
+  std::vector<Index> active = nearly_active(program, c);
+  VectorXd multipliers = VectorXd::Unit(c.values.size(), active.front());
+  double reach = max_reach;  // the longest step allowed
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    const Inequalities c = inequalities(program, solution.point.x);
-    if (!has_derivatives(c)) return solution;
-    if (iteration == 0) {
-      active = nearly_active(program, c);
-      multipliers = VectorXd::Unit(c.values.size(), active.front());
-    }
     const Step step = step_with_active_set(c, multipliers, active);
-    multipliers = step.multipliers;
     const VectorXd d = step.d.head(n);
     const double length = d.norm();
-    if (!(length < 1)) return solution;
+    if (!std::isfinite(length)) return solution;
     VectorXd x = solution.point.x + d * std::min(1.0, reach / length);
     x = x.cwiseMax(program.lower).cwiseMin(program.upper);
     const Point point = point_of(program, x, program.functions(x).col(0));
-    if (std::isinf(point.violation)) {
-      reach = length / 4;
+    const double loss = solution.point.objective - point.objective;
+    if (std::isinf(point.violation) ||
+        (is_feasible(solution.point) && loss > max_loss * std::abs(point.objective))) {
+      reach = std::min(reach, length) / 4;
       continue;
     }
+    reach = std::min(2 * reach, max_reach);
+    multipliers = step.multipliers;
     solution = {point, multipliers.tail(solution.multipliers.size()),
                 length < converged && step.residual < max_residual};
     if (length < enough) break;
+    c = inequalities(program, x);
+    if (!has_derivatives(c)) {
+      solution.converged = false;
+      break;
+    }
   }
   return solution;
 }

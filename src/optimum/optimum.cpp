@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include "trebsweep/base/mpi.hpp"
@@ -119,9 +120,11 @@ void add_value(const DesignProblem& problem, OptimumResult& result) {
 VectorXd add_active_limits(const DesignProblem& problem, const KktPoint& optimum,
                            OptimumResult& result) {
   const std::vector<Limit> all = limits(problem);
+  constexpr double rounding = 1e-9;  // of scaled multipliers
   VectorXd derivatives = optimum.multipliers;
   for (std::size_t i = 0; i < all.size(); ++i) {
     double& derivative = derivatives(static_cast<Index>(i));
+    if (std::abs(derivative) < rounding) derivative = 0;
     derivative *= all[i].factor;
     if (derivative != 0) result.active.push_back({all[i].text, all[i].units, derivative});
   }
@@ -195,11 +198,16 @@ std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& 
           job.optimum.deviation));
   }
 
-  result.design = result.maxima.front().design;
-  const KktPoint optimum = robust ? search_robust(result.design, result.designs)
-                                  : search_nominal(result.design, result.designs);
+  // Once more, for the multipliers.
+  const Design<double> best = result.maxima.front().design;
+  const KktPoint optimum =
+      robust ? search_robust(best, result.designs) : search_nominal(best, result.designs);
+  result.design = to_design(problem, optimum.point.x);
+  result.maxima.front().design = result.design;
+  result.maxima.front().value = optimum.point.objective * problem.scales.front();
   result.converged = optimum.converged;
-  const VectorXd derivatives = add_active_limits(problem, optimum, result);
+  VectorXd derivatives = add_active_limits(problem, optimum, result);
+  if (robust || !optimum.converged) derivatives.fill(std::numeric_limits<double>::quiet_NaN());
   result.sensitivities = all_sensitivities(job, problem, result.design, derivatives, comm);
   if (mpi::rank(comm) != 0) return std::nullopt;
   add_value(problem, result);

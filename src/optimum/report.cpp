@@ -35,17 +35,40 @@ std::string allowance_text(const Allowance& allowance) {
 }
 
 /// What each limit is worth.
-std::string limits_text(const OptimumResult& result) {
+std::string limits_text(const OptimumResult& result, const Job& job) {
   if (!result.converged)
-    return "limits     unknown: the objective or a constraint has a kink there, or designs next to "
-           "it "
-           "have no release\n";
+    return "limits     unknown: the objective or a constraint has a kink or a jump there, or "
+           "designs\n"
+           "           next to it have no release\n";
   if (result.active.empty()) return "limits     none is active\n";
+  const char* const of = job.optimum.robust == Robust::worst      ? " (of the worst value)"
+                         : job.optimum.robust == Robust::expected ? " (of the expected value)"
+                                                                  : "";
   std::string text;
   for (const auto& [constraint, units, multiplier] : result.active)
-    text += fmt::format("{:10} {}: {:+.6g}{}\n", text.empty() ? "limits" : "", constraint,
-                        multiplier, per(unit_of(result), unit_text(units)));
+    text += fmt::format("{:10} {}: {:+.6g}{}{}\n", text.empty() ? "limits" : "", constraint,
+                        multiplier, per(unit_of(result), unit_text(units)), of);
   return text;
+}
+
+/// A warning about a value that no other integration confirms.
+std::string jump_text(const OptimumResult& result) {
+  constexpr double doubtful = 1e-6;  // relative
+  if (result.error < doubtful * std::abs(result.value)) return "";
+  return "           The objective jumps at this design: do not rely on the value. Constraints "
+         "such\n"
+         "           as least-sling-tension >= 0 or bounds of pin-angle may exclude such "
+         "designs.\n";
+}
+
+std::string robustness_text(const OptimumResult& result, double deviation) {
+  if (!result.robustness) return "";
+  const auto [worst, expected] = *result.robustness;
+  const std::string values = std::isnan(worst)
+                                 ? "none, some of these designs have no release"
+                                 : fmt::format("worst {:.9g}, expected {:.9g}{}", worst, expected,
+                                               after_number(unit_of(result)));
+  return fmt::format("deviation  lengths off by up to {} m: {}\n", deviation, values);
 }
 
 /// How precisely to build.
@@ -60,16 +83,18 @@ std::string precision_text(const OptimumResult& result) {
 }
 
 std::string sensitivities_text(const OptimumResult& result) {
-  std::string text =
-      fmt::format("{:34}{:>18}{:>18}\n", "change of the value", "lengths kept", "lengths optimal");
+  std::string text = fmt::format("{:34}{:>18}", "change of the value", "lengths kept");
+  const bool both = std::ranges::none_of(
+      result.sensitivities, [](const auto& s) { return std::isnan(s.second.of_optimum); });
+  text += both ? fmt::format("{:>18}\n", "lengths optimal") : "\n";
   for (const auto& [name, sensitivity] : result.sensitivities) {
     const Key& key = *std::ranges::find(job_keys(), "scene." + name, &Key::name);
     const auto& [value, at_design, of_optimum] = sensitivity;
     const double change = value == 0 ? 1 : 0.01 * std::abs(value);
     const std::string label =
         value == 0 ? fmt::format("{} per {}", name, key.unit) : fmt::format("{} + 1 %", name);
-    text +=
-        fmt::format("{:34}{:>+18.6g}{:>+18.6g}\n", label, change * at_design, change * of_optimum);
+    text += fmt::format("{:34}{:>+18.6g}", label, change * at_design);
+    text += both ? fmt::format("{:>+18.6g}\n", change * of_optimum) : "\n";
   }
   return text;
 }
@@ -106,13 +131,11 @@ std::string to_text(const OptimumResult& result, const Job& job) {
       fmt::format("scene      {}\nsolver     {}\n", scene_text(job), solver_text(solver));
   text += fmt::format("optimum    {} {:.10g}{}, error {:.1g}\n", info(result.objective).name,
                       result.value, unit, result.error);
+  text += jump_text(result);
   text += fmt::format("design     {}, released at {:.8g} s\n", to_text(result.design),
                       result.release_time);
-  text += limits_text(result) + precision_text(result);
-  if (result.robustness)
-    text += fmt::format("deviation  lengths off by up to {} m: worst {:.9g}, expected {:.9g}{}\n",
-                        job.optimum.deviation, result.robustness->worst,
-                        result.robustness->expected, unit);
+  text += limits_text(result, job) + precision_text(result);
+  text += robustness_text(result, job.optimum.deviation);
   text += maxima_text(result);
   text += fmt::format("designs    {}", result.designs);
   if (result.coarse_increment > 0)

@@ -1,5 +1,6 @@
 #include "trebsweep/optimum/robust.hpp"
 
+#include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <limits>
@@ -19,8 +20,8 @@ Design<double> moved(const Design<double>& design, const std::array<double, 3>& 
   return {design.r1 + by[0], design.r3 + by[1], design.r2 + by[2]};
 }
 
-/// The deviation within the box at which the smallest value of a row of values_at(), times `sign`,
-/// is found, and that value; NaN if a design has none.
+/// The deviation within the box at which a row of values_at() is smallest (sign 1) or largest (-1),
+/// and its value there; NaN if a design in the box has none.
 struct Extreme {
   std::array<double, 3> deviation;
   double value;
@@ -51,7 +52,7 @@ Extreme extreme_in_box(const DesignProblem& problem, const Design<double>& centr
   Index start = 0;
   values.row(0).maxCoeff(&start);
   const Point worst = search(program, lattice.col(start)).point;
-  return {deviation_of(worst.x), -worst.objective};
+  return {deviation_of(worst.x), -sign * worst.objective};
 }
 
 std::vector<Deviation> vertices(double deviation, double weight) {
@@ -76,6 +77,24 @@ std::vector<Deviation> quadrature(double deviation) {
     for (const auto& [d3, w3] : nodes)
       for (const auto& [d2, w2] : nodes) all.push_back({{d1, d3, d2}, w1 * w3 * w2, false});
   return all;
+}
+
+/// Adds a deviation, instead of one that is close to it and of the same kind, unless that is one of
+/// the `permanent` first ones.
+void add_or_replace(std::vector<Deviation>& deviations, std::size_t permanent, double close,
+                    const Deviation& added) {
+  const auto is_close = [&](const Deviation& known) {
+    double distance = 0;
+    for (std::size_t d = 0; d < 3; ++d)
+      distance = std::max(distance, std::abs(known.lengths[d] - added.lengths[d]));
+    return distance < close && known.constrained == added.constrained;
+  };
+  const auto first = deviations.begin() + static_cast<std::ptrdiff_t>(permanent);
+  const auto known = std::find_if(first, deviations.end(), is_close);
+  if (known != deviations.end())
+    *known = added;
+  else
+    deviations.push_back(added);
 }
 
 /// The multipliers of the constraints of several deviations, added up for each constraint.
@@ -109,33 +128,43 @@ Robustness robustness(const DesignProblem& problem, const Design<double>& design
 KktPoint robust_search(const DesignProblem& problem, const Design<double>& start, Robust robust,
                        double deviation, std::uint64_t& integrated) {
   const bool mean = robust == Robust::expected;
+  const Aggregate aggregate = mean ? Aggregate::mean : Aggregate::worst;
   std::vector<Deviation> deviations = vertices(deviation, mean ? 0 : 1);
   if (mean) {
     const std::vector<Deviation> nodes = quadrature(deviation);
     deviations.insert(deviations.end(), nodes.begin(), nodes.end());
   }
+  const std::size_t permanent = deviations.size();
   const auto fields = static_cast<Index>(problem.constraints.size());
-  constexpr int rounds = 10;
-  constexpr double precision = 1e-9;
+  constexpr int rounds = 20;
+  constexpr double precision = 1e-10;
   KktPoint found;
   VectorXd x = to_variables(problem, start);
   for (int round = 0; round < rounds; ++round) {
-    found = search(
-        program_of(problem, deviations, mean ? Aggregate::mean : Aggregate::worst, integrated), x);
+    found = search(program_of(problem, deviations, aggregate, integrated), x);
     const auto constrained = std::ranges::count_if(deviations, &Deviation::constrained);
     found.multipliers = summed(found.multipliers, fields, constrained);
     if (!is_feasible(found.point)) return found;
     x = found.point.x;
-    const std::size_t known = deviations.size();
+    bool exact = true;
     for (Index row = mean ? 1 : 0; row <= fields; ++row) {
       const bool objective = row == 0;
-      const auto extreme = extreme_in_box(problem, to_design(problem, x), deviation, row,
-                                          objective ? 1 : -1, integrated);
-      if (objective ? extreme.value < found.point.objective - precision : extreme.value > precision)
-        deviations.push_back({extreme.deviation, objective ? 1.0 : 0.0, !objective});
+      const Extreme extreme = extreme_in_box(problem, to_design(problem, x), deviation, row,
+                                             objective ? 1 : -1, integrated);
+      if (std::isnan(extreme.value)) {
+        found.point.violation = std::numeric_limits<double>::infinity();
+        return found;
+      }
+      if (objective ? extreme.value >= found.point.objective - precision
+                    : extreme.value <= precision)
+        continue;
+      exact = false;
+      add_or_replace(deviations, permanent, deviation / 10,
+                     {extreme.deviation, objective ? 1.0 : 0.0, !objective});
     }
-    if (deviations.size() == known) break;
+    if (exact) return found;
   }
+  found.converged = false;
   return found;
 }
 

@@ -24,7 +24,7 @@ using Eigen::VectorXd;
 constexpr std::array<std::string_view, 3> absent_if_zero{
     "scene.sling-stiffness", "scene.counterweight-hanger", "scene.projectile-diameter"};
 
-constexpr int levels = 6;
+constexpr int levels = 12;
 
 std::optional<double> number_of(const Job& job, const Key& key) {
   double value = 0;

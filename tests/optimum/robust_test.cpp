@@ -90,3 +90,24 @@ TEST_CASE("No design nearby has a better worst case or expected value than the o
         if (is_allowed(other)) CHECK(merit(other) <= best + 1e-9);
     }
 }
+
+TEST_CASE("A constraint holds where its worst case lies within the box of deviations") {
+  constexpr double deviation = 0.03, limit = 15;
+  const Job job = job_with({{"optimum.objective", "efficiency"},
+                            {"optimum.subject-to", "speed <= 15"},
+                            {"lattice.r1", "0.56:1:0.11"}});
+  const Design<double> start{0.7, 0.5, 0.8};
+  const DesignProblem problem = design_problem(job, start);
+  std::uint64_t integrated = 0;
+  const KktPoint found = robust_search(problem, start, Robust::worst, deviation, integrated);
+  REQUIRE(found.converged);
+  const Design<double> design = to_design(problem, found.point.x);
+  const auto largest_of = [&](int width) {
+    const auto box = cube(design, 2 * deviation / (width - 1), width);
+    const auto speeds = accurate_values(job, Field::speed, box);
+    return *std::max_element(speeds.begin(), speeds.end());
+  };
+  CHECK(largest_of(21) < limit + 1e-7);
+  CHECK(largest_of(21) > limit - 1e-3);          // the constraint is active
+  CHECK(largest_of(2) < largest_of(21) - 1e-3);  // not at a vertex
+}

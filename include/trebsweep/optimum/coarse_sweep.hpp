@@ -21,8 +21,8 @@ struct CoarseSweep {
 };
 
 /// The lattice of a coarse sweep over a job's design space: with the smallest of a series of round
-/// increments that makes at most 300,000 designs and 200 values of an axis. Explicit axes keep their
-/// ends.
+/// increments that makes at most 300,000 designs and 200 values of an axis. Explicit axes keep
+/// their ends.
 LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec);
 
 /// Integrates the designs of a lattice with moderate accuracy on all ranks, which all get the

@@ -16,6 +16,7 @@ struct NonlinearProgram {
   Functions functions;  ///< the objectives, then the constraints
   Eigen::Index objectives, constraints;
   Eigen::VectorXd lower, upper;
+  Eigen::Index cost = 1;  ///< of the functions at a point, in swings
 
   Eigen::Index variables() const { return lower.size(); }
 };

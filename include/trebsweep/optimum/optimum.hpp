@@ -22,7 +22,7 @@ namespace trebsweep {
 struct ActiveLimit {
   std::string constraint;  ///< "r2 + r3 <= 1.5"
   std::string units;       ///< of the limit
-  double multiplier;       ///< d optimum / d limit
+  double multiplier;       ///< d optimum / d limit; of a robust optimum, of its worst or mean value
 };
 
 /// A local maximum of the objective, under the constraints.

@@ -21,7 +21,7 @@ Robustness robustness(const DesignProblem& problem, const Design<double>& design
 /// The design near `start` with the best worst case or the best expected value, such that all
 /// designs within the deviation satisfy the constraints. Its multipliers are those of the nominal
 /// program's constraints. The worst cases are those of the vertices of the box and of deviations
-/// that are found to be worse (exchange method).
+/// that are found to be worse, where constraints are checked as well (exchange method).
 KktPoint robust_search(const DesignProblem& problem, const Design<double>& start, Robust robust,
                        double deviation, std::uint64_t& integrated);
 

@@ -13,7 +13,8 @@ namespace trebsweep {
 struct Sensitivity {
   double value;       ///< of the key
   double at_design;   ///< d objective / d key, the lengths as they are
-  double of_optimum;  ///< d optimum / d key, the lengths optimal again
+  double of_optimum;  ///< d optimum / d key, the lengths optimal again; NaN of a robust optimum,
+                      ///< or without multipliers
 };
 
 /// The numeric keys of the scene whose derivatives exist: those in use, except lengths and
