@@ -221,7 +221,8 @@ class Archive:
         design, value = optimum
         name, unit = self.objective
         amount = f"{value:.8f} m/s" if name == "speed" else f"{name} {value:.10g} {unit}".rstrip()
-        return f"{amount} at {design_text(design)}"
+        between = ", between the designs" if self.refined else ""
+        return f"{amount} at {design_text(design)}{between}"
 
     def best_word(self):
         """What the optimum is among the designs, such as "fastest with a taut sling"."""

@@ -32,7 +32,8 @@ optimum.subject-to, for lengths r1, r3 and r2 within the bounds of the job's
 lattice; a length with a single value is kept. A coarse sweep finds local maxima,
 from the best of which continuous searches start. The spacing of the coarse sweep
 is chosen, unless --lattice.increment gives it. Every design is integrated
-accurately, by vern8, whatever the job's stepper.
+accurately, by vern8, whatever the job's stepper; the release window becomes a
+crossing. jobs/README.md explains the output.
 
 Prints the optimum with its error, determined in quadruple precision; the limits
 that it reaches and how much the optimum grows with each; how far each length may
