@@ -136,6 +136,15 @@ LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec) {
   return chosen.value_or(spec);
 }
 
+std::optional<LatticeSpec> edge_lattice(const Scene& scene, const LatticeSpec& coarse) {
+  if (coarse.r1) return std::nullopt;
+  constexpr int parts = 8;  // of the increment
+  const double low = arm_bounds(scene).low, step = coarse.increment / parts;
+  LatticeSpec edge = coarse;
+  edge.r1 = {low + step, low + (parts - 1) * step, step};
+  return edge;
+}
+
 CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, ProgressStyle style,
                          MPI_Comm comm) {
   const Lattice lattice(job.scene, spec);

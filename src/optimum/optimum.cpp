@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -24,7 +25,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t max_starts = 16;
+constexpr std::size_t max_starts = 16, max_edge_starts = 4;
+
+/// The best local maxima of a coarse sweep.
+std::vector<Design<double>> best_of(const CoarseSweep& sweep, std::size_t count) {
+  return {sweep.maxima.begin(),
+          sweep.maxima.begin() + static_cast<std::ptrdiff_t>(std::min(sweep.maxima.size(), count))};
+}
 
 /// The end of a search, with up to three variables.
 struct Found {
@@ -155,21 +162,26 @@ std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& 
   // Only rank 0 reports progress, as if the others were as fast.
   const ProgressStyle progress = mpi::rank(comm) == 0 ? options.progress : ProgressStyle::none;
   design_space(job.scene, job.lattice);  // throws if it is empty
-  const CoarseSweep coarse =
-      coarse_sweep(job, options.own_lattice ? job.lattice : coarse_lattice(job.scene, job.lattice),
-                   progress, comm);
-  if (coarse.maxima.empty())
+  const LatticeSpec spec =
+      options.own_lattice ? job.lattice : coarse_lattice(job.scene, job.lattice);
+  const CoarseSweep coarse = coarse_sweep(job, spec, progress, comm);
+  std::uint64_t designs = coarse.designs;
+  std::vector<Design<double>> starts = best_of(coarse, max_starts);
+  if (const auto edge = edge_lattice(job.scene, spec); edge && !options.own_lattice) {
+    const CoarseSweep swept = coarse_sweep(job, *edge, progress, comm);
+    designs += swept.designs;
+    std::ranges::copy(best_of(swept, max_edge_starts), std::back_inserter(starts));
+  }
+  if (starts.empty())
     throw NoOptimum(
         fmt::format("nothing is released: none of {} designs with a spacing of {} m has a release",
-                    coarse.designs, coarse.increment));
+                    designs, coarse.increment));
   OptimumResult result{};
   result.objective = job.optimum.objective;
   result.coarse_increment = coarse.increment;
-  result.designs = coarse.designs;
-  const DesignProblem problem = design_problem(job, coarse.maxima.front());
+  result.designs = designs;
+  const DesignProblem problem = design_problem(job, starts.front());
 
-  std::vector<Design<double>> starts = coarse.maxima;
-  starts.resize(std::min(starts.size(), max_starts));
   const auto search_nominal = [&](const Design<double>& start, std::uint64_t& integrated) {
     return search(nominal_program(problem, integrated), to_variables(problem, start));
   };
@@ -182,10 +194,11 @@ std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& 
     result.starts = starts.size();
     result.maxima = distinct(found, problem);
   };
+  const Design<double> violating = starts.front();  // if all do
   find_maxima(search_nominal);
   if (result.maxima.empty())
     throw NoOptimum(fmt::format("the constraints exclude every design: {}",
-                                violations_text(problem, coarse.maxima.front())));
+                                violations_text(problem, violating)));
   const bool robust = job.optimum.robust != Robust::no;
   if (robust) {
     starts.clear();

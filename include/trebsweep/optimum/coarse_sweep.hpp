@@ -3,6 +3,7 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "trebsweep/base/progress.hpp"
@@ -24,6 +25,10 @@ struct CoarseSweep {
 /// increments that makes at most 300,000 designs and 200 values of an axis. Explicit axes keep
 /// their ends.
 LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec);
+
+/// The designs between the lower bound of r1 and the first r1 of a coarse lattice, where the
+/// objective may change within a fraction of the increment; nothing if the axis r1 is explicit.
+std::optional<LatticeSpec> edge_lattice(const Scene& scene, const LatticeSpec& coarse);
 
 /// Integrates the designs of a lattice with moderate accuracy on all ranks, which all get the
 /// result. Throws InputError if the lattice has more than 100 million designs. Collective.
