@@ -25,6 +25,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t max_starts = 16, max_edge_starts = 4;
 
 /// The best local maxima of a coarse sweep.
@@ -154,73 +155,97 @@ std::vector<std::pair<std::string, Sensitivity>> all_sensitivities(const Job& jo
   return all;
 }
 
-}  // namespace
+/// Designs to search from, best first.
+struct Starts {
+  std::vector<Design<double>> designs;
+  double increment;          ///< m: of the coarse sweep
+  std::uint64_t integrated;  ///< designs
+};
 
-std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& options,
-                                          MPI_Comm comm) {
-  const double start_time = MPI_Wtime();
-  // Only rank 0 reports progress, as if the others were as fast.
-  const ProgressStyle progress = mpi::rank(comm) == 0 ? options.progress : ProgressStyle::none;
+/// The best local maxima of the coarse sweeps. Throws NoOptimum if there are none. Collective.
+Starts find_starts(const Job& job, const OptimumOptions& options, MPI_Comm comm) {
   design_space(job.scene, job.lattice);  // throws if it is empty
   const LatticeSpec spec =
       options.own_lattice ? job.lattice : coarse_lattice(job.scene, job.lattice);
-  const CoarseSweep coarse = coarse_sweep(job, spec, progress, comm);
-  std::uint64_t designs = coarse.designs;
-  std::vector<Design<double>> starts = best_of(coarse, max_starts);
+  const CoarseSweep coarse = coarse_sweep(job, spec, options.progress, comm);
+  Starts starts{best_of(coarse, max_starts), coarse.increment, coarse.designs};
   if (const auto edge = edge_lattice(job.scene, spec); edge && !options.own_lattice) {
-    const CoarseSweep swept = coarse_sweep(job, *edge, progress, comm);
-    designs += swept.designs;
-    std::ranges::copy(best_of(swept, max_edge_starts), std::back_inserter(starts));
+    const CoarseSweep swept = coarse_sweep(job, *edge, options.progress, comm);
+    std::ranges::copy(best_of(swept, max_edge_starts), std::back_inserter(starts.designs));
+    starts.integrated += swept.designs;
   }
-  if (starts.empty())
+  if (starts.designs.empty())
     throw NoOptimum(
         fmt::format("nothing is released: none of {} designs with a spacing of {} m has a release",
-                    designs, coarse.increment));
+                    starts.integrated, starts.increment));
+  return starts;
+}
+
+/// Searches from designs, and adds what is found to a result; collective.
+template <class Search>
+void find_maxima(const std::vector<Design<double>>& starts, const DesignProblem& problem,
+                 ProgressStyle progress, MPI_Comm comm, Search search, OptimumResult& result) {
+  const std::vector<Found> found = search_from(starts, progress, comm, search);
+  for (const Found& f : found) result.designs += f.integrated;
+  result.starts = starts.size();
+  result.maxima = distinct(found, problem);
+}
+
+/// Takes the best of the local maxima. A last search gives its multipliers, and the derivatives of
+/// the optimum with respect to all limits, which are returned: NaN if they do not exist.
+template <class Search>
+VectorXd take_best(const DesignProblem& problem, Search search, OptimumResult& result) {
+  LocalMaximum& best = result.maxima.front();
+  const KktPoint optimum = search(best.design, result.designs);
+  best.design = result.design = to_design(problem, optimum.point.x);
+  best.value = optimum.point.objective * problem.scales.front();
+  result.converged = optimum.converged;
+  return add_active_limits(problem, optimum, result);
+}
+
+}  // namespace
+
+std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& given,
+                                          MPI_Comm comm) {
+  const double start_time = MPI_Wtime();
+  OptimumOptions options = given;
+  // Only rank 0 reports progress, as if the others were as fast.
+  if (mpi::rank(comm) != 0) options.progress = ProgressStyle::none;
+  const Starts starts = find_starts(job, options, comm);
   OptimumResult result{};
   result.objective = job.optimum.objective;
-  result.coarse_increment = coarse.increment;
-  result.designs = designs;
-  const DesignProblem problem = design_problem(job, starts.front());
+  result.coarse_increment = starts.increment;
+  result.designs = starts.integrated;
 
+  const DesignProblem problem = design_problem(job, starts.designs.front());
   const auto search_nominal = [&](const Design<double>& start, std::uint64_t& integrated) {
     return search(nominal_program(problem, integrated), to_variables(problem, start));
   };
-  const auto search_robust = [&](const Design<double>& start, std::uint64_t& integrated) {
-    return robust_search(problem, start, job.optimum.robust, job.optimum.deviation, integrated);
-  };
-  const auto find_maxima = [&](auto search_one) {
-    const std::vector<Found> found = search_from(starts, progress, comm, search_one);
-    for (const Found& f : found) result.designs += f.integrated;
-    result.starts = starts.size();
-    result.maxima = distinct(found, problem);
-  };
-  const Design<double> violating = starts.front();  // if all do
-  find_maxima(search_nominal);
+  find_maxima(starts.designs, problem, options.progress, comm, search_nominal, result);
   if (result.maxima.empty())
     throw NoOptimum(fmt::format("the constraints exclude every design: {}",
-                                violations_text(problem, violating)));
-  const bool robust = job.optimum.robust != Robust::no;
-  if (robust) {
-    starts.clear();
-    for (const LocalMaximum& m : result.maxima) starts.push_back(m.design);
-    find_maxima(search_robust);
+                                violations_text(problem, starts.designs.front())));
+  VectorXd derivatives;
+  if (job.optimum.robust == Robust::no) {
+    derivatives = take_best(problem, search_nominal, result);
+  } else {
+    const double deviation = job.optimum.deviation;
+    const auto search_robust = [&](const Design<double>& start, std::uint64_t& integrated) {
+      return robust_search(problem, start, job.optimum.robust, deviation, integrated);
+    };
+    std::vector<Design<double>> maxima;
+    for (const LocalMaximum& m : result.maxima) maxima.push_back(m.design);
+    find_maxima(maxima, problem, options.progress, comm, search_robust, result);
     if (result.maxima.empty())
       throw NoOptimum(fmt::format(
           "no design was found that has a release and satisfies the constraints with all lengths "
           "off by up to optimum.deviation = {} m",
-          job.optimum.deviation));
+          deviation));
+    derivatives = take_best(problem, search_robust, result);
+    derivatives.fill(nan);  // they are those of the worst or mean value
   }
+  if (!result.converged) derivatives.fill(nan);
 
-  // Once more, for the multipliers.
-  const Design<double> best = result.maxima.front().design;
-  const KktPoint optimum =
-      robust ? search_robust(best, result.designs) : search_nominal(best, result.designs);
-  result.design = to_design(problem, optimum.point.x);
-  result.maxima.front().design = result.design;
-  result.maxima.front().value = optimum.point.objective * problem.scales.front();
-  result.converged = optimum.converged;
-  VectorXd derivatives = add_active_limits(problem, optimum, result);
-  if (robust || !optimum.converged) derivatives.fill(std::numeric_limits<double>::quiet_NaN());
   result.sensitivities = all_sensitivities(job, problem, result.design, derivatives, comm);
   if (mpi::rank(comm) != 0) return std::nullopt;
   add_value(problem, result);

@@ -214,7 +214,7 @@ class Run(DirectoryTest):
                                    "paper-neighbourhood.png"})
         report = self.read("results/paper-optimum.txt").decode()
         self.assertIn(report, done.stdout)
-        found = re.match(r"optimum +speed ([\d.]+) m/s", report)
+        found = re.search(r"^optimum +speed ([\d.]+) m/s", report, re.MULTILINE)
         header, *rows = [line.split() for line in self.read("results/paper-swing.txt").decode().splitlines()
                          if not line.startswith("#")]
         self.assertAlmostEqual(float(rows[-1][header.index("speed")]), float(found[1]), places=6)
