@@ -131,7 +131,7 @@ class ResumeTest(DirectoryTest):
         until it fits, since other processes share the machine."""
         limit = self.sweep_seconds[()] / 2
         for _ in range(30):
-            launcher = self.launch(2, *options, *overwrite, "--time-limit", f"{limit:.2f}")
+            launcher = self.launch(2, *options, *overwrite, "--time-limit", f"{limit:.4f}")
             errors = self.finish(launcher, codes=(0, 75))
             if launcher.returncode == 0:
                 limit *= 0.7
