@@ -34,6 +34,7 @@ TEST_CASE("A fine lattice lies within the design space and comes close to each b
     const Lattice lattice(scene, spec);
     double longest_sum = 0;
     for (std::size_t i3 = 0; i3 < lattice.extent()[1]; ++i3) {
+      if (lattice.row_length(i3) == 0) continue;
       const auto [r1, r3, r2] = lattice.design({0, i3, lattice.row_length(i3) - 1});
       longest_sum = std::max(longest_sum, r3 + r2);
     }
