@@ -17,7 +17,7 @@ PROGRAM_HELP = ("path of trebsweep (default: $TREBSWEEP, otherwise the one built
 
 def find_program(given=None):
     """The given program, else that of the environment, else the one built or installed with the
-    scripts, else the one in PATH; ends the script if there is none."""
+    scripts, else the one in PATH; ends the script if no program is found."""
     built = [os.path.normpath(path) for path in PROGRAMS if os.access(path, os.X_OK)]
     found = [given, os.environ.get("TREBSWEEP"), *built, shutil.which("trebsweep")]
     return next(filter(None, found), None) or fail(

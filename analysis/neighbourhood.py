@@ -56,7 +56,7 @@ def constraints_of(job):
     constraints = [Constraint(field, 1 if relation == "<=" else -1, float(limit))
                    for field, relation, limit in map(str.split, texts)]
     if job["output", "optimum"] == "taut":
-        # The tension of an elastic sling is never negative; it is slack where there is none.
+        # The tension of an elastic sling is never negative. A slack sling has zero tension.
         elastic = float(job["scene", "sling-stiffness"]) > 0
         constraints.append(Constraint("least-sling-tension", -1,
                                       sys.float_info.min if elastic else 0.0))

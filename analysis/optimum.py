@@ -3,8 +3,8 @@
 
 The optimum is the design with the largest optimum.objective, by default the fastest, among those
 that satisfy the job's constraints; in a partial archive, that of the designs done so far. With
---continuous it is the one that `trebsweep optimum` finds between the designs of the lattice. If
-there is none, nothing is printed on stdout, and the exit code is 0.
+--continuous it is the one that `trebsweep optimum` finds between the designs of the lattice.
+Without an optimum, nothing is printed on stdout, and the exit code is 0.
 
   trebsweep trace as-run.cfg $(optimum.py accurate.h5 --job as-run.cfg) > swing.txt
 """

@@ -7,8 +7,8 @@
 namespace trebsweep {
 namespace {
 
-/// The smallest relative change of a length, up to `sign` * 1/2, with which the objective falls
-/// below a value or there is none.
+/// The smallest relative change of a length, up to `sign` * 1/2, at which the objective falls
+/// below a value or does not exist.
 double first_loss(const DesignProblem& problem, const Design<double>& design, std::size_t length,
                   double sign, double least, std::uint64_t& integrated) {
   constexpr int parts = 64;  // of the interval, per round

@@ -28,7 +28,7 @@ bool has_sum(const DesignProblem& problem) {
 std::vector<Constraint> constraints_of(const Job& job) {
   std::vector<Constraint> constraints = job.optimum.constraints;
   if (job.output.optimum_filter == OptimumFilter::taut) {
-    // The tension of an elastic sling is never negative; it is slack where there is none.
+    // The tension of an elastic sling is never negative. A slack sling has zero tension.
     const bool elastic = job.scene.sling_stiffness > 0;
     constraints.push_back({.field = Field::least_sling_tension,
                            .is_upper = false,

@@ -60,7 +60,7 @@ Point zoom(const NonlinearProgram& program, Point point) {
   return point;
 }
 
-/// A point with values close to x, or x itself if there is none.
+/// A point close to x at which all functions have values, or x itself if none is found.
 Point point_with_values(const NonlinearProgram& program, const VectorXd& x) {
   constexpr double farthest = 0.1;
   Point point{x, 0, HUGE_VAL};

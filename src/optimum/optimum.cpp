@@ -162,7 +162,7 @@ struct Starts {
   std::uint64_t integrated;  ///< designs
 };
 
-/// The best local maxima of the coarse sweeps. Throws NoOptimum if there are none. Collective.
+/// The best local maxima of the coarse sweeps. Throws NoOptimum if nothing is released. Collective.
 Starts find_starts(const Job& job, const OptimumOptions& options, MPI_Comm comm) {
   design_space(job.scene, job.lattice);  // throws if it is empty
   const LatticeSpec spec =

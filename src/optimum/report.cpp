@@ -37,9 +37,8 @@ std::string allowance_text(const Allowance& allowance) {
 /// What each limit is worth.
 std::string limits_text(const OptimumResult& result, const Job& job) {
   if (!result.converged)
-    return "limits     unknown: the objective or a constraint has a kink or a jump there, or "
-           "designs\n"
-           "           next to it have no release\n";
+    return "limits     unknown: the objective or a constraint has a kink or a jump there,\n"
+           "           or designs next to it have no release\n";
   if (result.active.empty()) return "limits     none is active\n";
   const char* const of = job.optimum.robust == Robust::worst      ? " (of the worst value)"
                          : job.optimum.robust == Robust::expected ? " (of the expected value)"
@@ -55,10 +54,9 @@ std::string limits_text(const OptimumResult& result, const Job& job) {
 std::string jump_text(const OptimumResult& result) {
   constexpr double doubtful = 1e-6;  // relative
   if (result.error < doubtful * std::abs(result.value)) return "";
-  return "           The objective jumps at this design: do not rely on the value. Constraints "
-         "such\n"
-         "           as least-sling-tension >= 0 or bounds of pin-angle may exclude such "
-         "designs.\n";
+  return "           The objective jumps at this design: do not rely on the value.\n"
+         "           Constraints may exclude such designs, for example\n"
+         "           least-sling-tension >= 0, or bounds of pin-angle.\n";
 }
 
 std::string robustness_text(const OptimumResult& result, double deviation) {
@@ -84,7 +82,7 @@ std::string precision_text(const OptimumResult& result) {
 
 std::string sensitivities_text(const OptimumResult& result) {
   std::string text = fmt::format("{:34}{:>18}", "change of the value", "lengths kept");
-  const bool both = std::ranges::none_of(
+  const bool both = !std::ranges::all_of(
       result.sensitivities, [](const auto& s) { return std::isnan(s.second.of_optimum); });
   text += both ? fmt::format("{:>18}\n", "lengths optimal") : "\n";
   for (const auto& [name, sensitivity] : result.sensitivities) {

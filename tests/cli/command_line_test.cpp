@@ -66,7 +66,8 @@ TEST_CASE("An option of another command is refused") {
 
 TEST_CASE("The message about an invalid command line names what is wrong") {
   CHECK_THROWS_WITH(parse({}), contains("no command"));
-  CHECK_THROWS_WITH(parse({"swep"}), contains("swep") && contains("sweep, optimum, trace, assess and info"));
+  CHECK_THROWS_WITH(parse({"swep"}),
+                    contains("swep") && contains("sweep, optimum, trace, assess and info"));
   CHECK_THROWS_WITH(parse({"sweep"}), contains("no job file"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "b"}), contains("b"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "--overwrit"}), contains("--overwrit"));

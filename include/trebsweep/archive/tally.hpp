@@ -22,7 +22,7 @@ struct Tally {
   std::array<std::uint64_t, status_names.size()> statuses{};  ///< designs of each Status
   std::uint64_t steps = 0;                                    ///< steps tried, over all designs
   std::uint64_t lane_steps = 0;  ///< steps of all lanes, including idle ones
-  /// The objective of the best design, in the unit of its field; -infinity if there is none.
+  /// The objective of the best design, in the unit of its field; -infinity without one.
   double best_value = -std::numeric_limits<double>::infinity();
   double best_speed = std::numeric_limits<double>::quiet_NaN();  ///< of the best design, m/s
   double best_time = std::numeric_limits<double>::quiet_NaN();   ///< its release time, s

@@ -17,7 +17,7 @@ struct Derivative {
 /// Extrapolates difference quotients to a step of zero (Ridders, Advances in Engineering Software 4
 /// (1982) 75). quotients[k] belongs to the step h/2^k; `order` is that of their error, 2 for
 /// central differences and 1 for one-sided ones, which also is the difference between the orders of
-/// successive terms. Quotients that are NaN are left out; NaN if none is left.
+/// successive terms. Quotients that are NaN are left out; NaN if all are.
 Derivative extrapolate(std::span<const double> quotients, int order);
 
 /// The values and derivatives of functions at a point.
