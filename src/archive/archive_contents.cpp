@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -44,7 +45,8 @@ std::optional<MeasuredError> read_error(hid_t file) {
                        .designs = static_cast<std::uint64_t>(read("error_designs"))};
 }
 
-/// The optimum between the designs of a complete sweep, or none if it was not searched for.
+/// The optimum between the designs of a complete sweep of one scene, or none if it was not searched
+/// for.
 std::optional<RefinedOptimum> read_refined(hid_t file) {
   const auto read = [&](const char* name) { return hdf5::read_number_attribute(file, name); };
   // Archives before format version 6 lack this attribute.
@@ -57,11 +59,17 @@ std::optional<RefinedOptimum> read_refined(hid_t file) {
                         read("refined_error")};
 }
 
+std::vector<hsize_t> outer_extents(const Job& job) {
+  std::vector<hsize_t> extents;
+  for (const OuterAxis& axis : job.outer_axes) extents.push_back(axis.values.size());
+  return extents;
+}
+
 /// Throws if a map that the archive's job asks for is missing or has another extent.
-void check_maps(hid_t file, const ArchiveContents& contents) {
-  const auto& [r1, r3, r2] = contents.axes;
-  const std::vector<hsize_t> extents{r1.size(), r3.size(), r2.size()};
-  for (const Field field : parse_job(contents.job, "archive", {}).output.fields)
+void check_maps(hid_t file, const ArchiveContents& contents, const Job& job) {
+  std::vector<hsize_t> extents = outer_extents(job);
+  for (const auto& axis : contents.axes) extents.push_back(axis.size());
+  for (const Field field : stored_fields(job.output))
     if (hdf5::extents(hdf5::open_dataset(file, dataset_name(field))) != extents)
       untrusted::fail(
           fmt::format("the extent of map {} is not that of the axes", dataset_name(field)));
@@ -85,6 +93,9 @@ ArchiveContents read(const std::filesystem::path& path) {
   } catch (const std::runtime_error&) {
     // A run was killed while writing it: the maps are worth more than the history.
   }
+  const Job job = parse_job(contents.job, "archive", {});
+  for (const OuterAxis& axis : job.outer_axes)
+    contents.outer_axes.push_back(hdf5::read_numbers(file, dataset_name(axis.name())));
   contents.axes = {hdf5::read_numbers(file, "r1"), hdf5::read_numbers(file, "r3"),
                    hdf5::read_numbers(file, "r2")};
   const hdf5::Dataset tile_done = hdf5::open_dataset(file, "tile_done");
@@ -95,16 +106,20 @@ ArchiveContents read(const std::filesystem::path& path) {
   contents.tiles = done.size();
   contents.tiles_done = untrusted::count_done(done);
   contents.tallies = read_tallies(file, contents);
+  if (is_study(job))
+    contents.optima = read_optima(file, outer_extents(job), 0, count_scenes(job));
+  else
+    contents.refined = read_refined(file);
   contents.error = read_error(file);
-  contents.refined = read_refined(file);
-  check_maps(file, contents);
+  check_maps(file, contents, job);
   return contents;
 }
 
 }  // namespace
 
 Tally ArchiveContents::tally(std::span<const TileRange> without) const {
-  const std::uint64_t cells = axes[0].size() * axes[1].size() * axes[2].size();
+  const std::uint64_t scenes = outer_axes.empty() ? 1 : optima.size();
+  const std::uint64_t cells = scenes * axes[0].size() * axes[1].size() * axes[2].size();
   Tally sum;
   for (std::uint64_t t = 0; t < tiles_done; ++t) {
     while (!without.empty() && without.front().end <= t) without = without.subspan(1);
@@ -122,9 +137,14 @@ Tally ArchiveContents::tally(std::span<const TileRange> without) const {
   return sum;
 }
 
-Tiling ArchiveContents::tiling(const Lattice& lattice) const {
-  if (axes != lattice.axes()) untrusted::fail("its lattice is not that of its job");
-  const Tiling tiling(lattice, tile_edge);
+Tiling ArchiveContents::tiling(const Study& study) const {
+  const auto is_same = [](const std::vector<double>& values, const OuterAxis& axis) {
+    return values == axis.values;
+  };
+  if (!std::ranges::equal(outer_axes, study.job().outer_axes, is_same))
+    untrusted::fail("its outer axes are not those of its job");
+  if (axes != study.axes()) untrusted::fail("its lattice is not that of its job");
+  const Tiling tiling(study, tile_edge);
   if (tiles != tiling.size()) untrusted::fail("its tiles are not those of its lattice");
   return tiling;
 }

@@ -11,10 +11,10 @@
 
 namespace trebsweep {
 
-std::string dataset_name(Field field) {
-  std::string name(info(field).name);
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
+std::string dataset_name(std::string_view name) {
+  std::string dataset(name);
+  std::replace(dataset.begin(), dataset.end(), '-', '_');
+  return dataset;
 }
 
 std::string history_line(const std::string& command, std::uint64_t ranks) {
@@ -27,9 +27,10 @@ void write_attributes(hid_t file, const Attributes& attributes) {
     std::visit([&, &key = name](const auto& v) { hdf5::write_attribute(file, key, v); }, value);
 }
 
-std::vector<std::string> checksum_columns(const std::vector<MapInfo>& maps) {
+std::vector<std::string> checksum_columns(const std::vector<MapInfo>& maps, bool is_study) {
   std::vector<std::string> columns;
   for (const MapInfo& map : maps) columns.push_back(map.dataset);
+  if (is_study) columns.push_back("best");
   columns.push_back("tile_tally");
   return columns;
 }

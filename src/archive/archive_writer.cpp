@@ -53,17 +53,16 @@ std::vector<std::byte> converted_to(MapType type, const std::vector<double>& val
   throw std::logic_error("not a type to convert to");
 }
 
-/// The chunk of a tile, given the bytes of the tile's values: the chunk has cells beyond the tile,
-/// which no reader sees, at the upper ends of the axes.
-std::vector<std::byte> chunk_of(const Tile& tile, const Index3& edge,
+/// The chunk of a tile of the given extent, from the bytes of the tile's values: the chunk has
+/// cells beyond the tile, which no reader sees, at the upper ends of the axes.
+std::vector<std::byte> chunk_of(const Index3& tile, const Index3& edge,
                                 std::span<const std::byte> bytes) {
-  const std::size_t row = bytes.size() / (tile.count[0] * tile.count[1]);
-  const std::size_t chunk_row = row / tile.count[2] * edge[2];
+  const std::size_t row = bytes.size() / (tile[0] * tile[1]);
+  const std::size_t chunk_row = row / tile[2] * edge[2];
   std::vector<std::byte> chunk(edge[0] * edge[1] * chunk_row);
-  for (std::size_t i = 0; i < tile.count[0]; ++i)
-    for (std::size_t j = 0; j < tile.count[1]; ++j)
-      std::memcpy(&chunk[(i * edge[1] + j) * chunk_row], &bytes[(i * tile.count[1] + j) * row],
-                  row);
+  for (std::size_t i = 0; i < tile[0]; ++i)
+    for (std::size_t j = 0; j < tile[1]; ++j)
+      std::memcpy(&chunk[(i * edge[1] + j) * chunk_row], &bytes[(i * tile[1] + j) * row], row);
   return chunk;
 }
 
@@ -88,15 +87,14 @@ ArchiveWriter::Map ArchiveWriter::open_map(hid_t file, const MapInfo& info) {
   Map map{hdf5::open_dataset(file, info.dataset), info.type, false, {}};
   const hdf5::Properties properties(H5Dget_create_plist(map.dataset), what);
   map.compressed = H5Pget_nfilters(properties) > 0;
-  std::array<hsize_t, 3> edge{};
-  check(H5Pget_chunk(properties, 3, edge.data()), what);
-  std::copy(edge.begin(), edge.end(), map.edge.begin());
+  const auto chunk = chunk_extent(properties);
+  std::copy(chunk.end() - 3, chunk.end(), map.edge.begin());
   return map;
 }
 
 ArchiveWriter::ArchiveWriter(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
-                             MPI_Comm comm)
-    : path_(path), comm_(comm), collective_(collective_transfer()) {
+                             const Study& study, MPI_Comm comm)
+    : path_(path), shape_(study), comm_(comm), collective_(collective_transfer()) {
   hdf5::silence();
   file_.emplace(hdf5::open_parallel(partial_path(path), comm));
   for (const MapInfo& map : maps) maps_.push_back(open_map(*file_, map));
@@ -121,10 +119,11 @@ std::vector<std::uint64_t> ArchiveWriter::write_maps(const std::optional<Tile>& 
     }
     if (map.compressed)
       write_collectively(map, tile, bytes);
-    else if (tile && tile->count == map.edge)
-      write_chunk(map.dataset, *tile, bytes);
+    else if (tile && tile->block.count == map.edge)
+      write_chunk(map.dataset, shape_.first_cell(*tile), bytes);
     else if (tile)  // a chunk is written at once, the rows of a part of it would be one by one
-      write_chunk(map.dataset, *tile, chunk_of(*tile, map.edge, bytes));
+      write_chunk(map.dataset, shape_.first_cell(*tile),
+                  chunk_of(tile->block.count, map.edge, bytes));
   }
   return checksums;
 }
@@ -134,10 +133,10 @@ void ArchiveWriter::write_collectively(const Map& map, const std::optional<Tile>
   const std::string what = "write a map";
   const hdf5::Dataspace file(H5Dget_space(map.dataset), what);
   // Of the same rank as the file's: otherwise HDF5 maps the selection to chunks value by value.
-  const auto extent = sizes(tile ? tile->count : Index3{1, 1, 1});
-  const hdf5::Dataspace memory(H5Screate_simple(3, extent.data(), nullptr), what);
+  const auto extent = shape_.block(tile ? tile->block.count : Index3{1, 1, 1});
+  const hdf5::Dataspace memory(H5Screate_simple(shape_.rank(), extent.data(), nullptr), what);
   if (tile) {
-    const auto first = sizes(tile->first);
+    const auto first = shape_.first_cell(*tile);
     check(H5Sselect_hyperslab(file, H5S_SELECT_SET, first.data(), nullptr, extent.data(), nullptr),
           what);
   } else {
@@ -158,14 +157,20 @@ void ArchiveWriter::write_results(std::uint64_t first, std::span<const TallyRow>
                                   std::span<const std::uint64_t> checksums) {
   write_rows(*tile_tally_, first, tallies.size(), tally_columns.size(), H5T_NATIVE_DOUBLE,
              tallies.data());
+  const std::size_t columns = tallies.empty() ? 0 : checksums.size() / tallies.size();
   std::vector<std::uint64_t> rows;
   for (std::size_t t = 0; t < tallies.size(); ++t) {
-    const auto of_tile = checksums.subspan(t * maps_.size(), maps_.size());
+    const auto of_tile = checksums.subspan(t * columns, columns);
     rows.insert(rows.end(), of_tile.begin(), of_tile.end());
     rows.push_back(checksum(std::as_bytes(std::span(tallies[t]))));
   }
-  write_rows(*tile_checksum_, first, tallies.size(), maps_.size() + 1, H5T_NATIVE_UINT64,
-             rows.data());
+  write_rows(*tile_checksum_, first, tallies.size(), columns + 1, H5T_NATIVE_UINT64, rows.data());
+}
+
+void ArchiveWriter::write_optima(std::uint64_t first_scene, std::span<const SceneOptimum> optima) {
+  if (mpi::rank(comm_) == 0)
+    write_partial(partial_path(path_),
+                  [&] { trebsweep::write_optima(*file_, first_scene, optima); });
 }
 
 void ArchiveWriter::checkpoint(std::uint64_t first, std::span<const TallyRow> tallies,

@@ -9,6 +9,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "trebsweep/archive/output_path.hpp"
+
 namespace trebsweep {
 namespace {
 
@@ -46,27 +48,33 @@ bool quota_forbids([[maybe_unused]] const fs::path& path, [[maybe_unused]] std::
   return error == EDQUOT || error == ENOSPC || error == EFBIG;
 }
 
-[[noreturn]] void refuse(const fs::path& path, std::uintmax_t bytes, const std::string& why) {
-  throw std::runtime_error(fmt::format(
-      "{} needs at least {} ({} bytes), {}; set output.storage = float32, fewer output.fields, an "
-      "output.compression or a larger lattice.increment, or name another directory",
-      path.string(), size_text(bytes), bytes, why));
+/// The size that a file needs, why it cannot have it, and what to do.
+std::string shortage_text(std::uintmax_t bytes, const std::string& why) {
+  return fmt::format(
+      "needs at least {} ({} bytes), {}; set output.maps = none, output.storage = float32, fewer "
+      "output.fields, an output.compression or a larger lattice.increment, or name another "
+      "directory",
+      size_text(bytes), bytes, why);
 }
 
 }  // namespace
 
-void require_space(const fs::path& path, std::uintmax_t bytes) {
+void require_space(const Job& job, const fs::path& path, std::uintmax_t bytes) {
+  const auto fail = [&](const std::string& why) {
+    throw std::runtime_error(fmt::format("{} {}", path.string(), shortage_text(bytes, why)));
+  };
   if (const auto limit = size_limit(); bytes > limit)
-    refuse(path, bytes, fmt::format("but the file size limit (ulimit -f) is {}", size_text(limit)));
+    fail(fmt::format("but the file size limit (ulimit -f) is {}", size_text(limit)));
   const fs::path directory = directory_of(path);
   std::error_code error;
   const auto space = fs::space(directory, error);
   if (!error && bytes > space.available)
-    refuse(path, bytes,
-           fmt::format("but only {} ({} bytes) are available in {}", size_text(space.available),
-                       space.available, directory.string()));
+    refuse_output(job,
+                  shortage_text(bytes, fmt::format("but only {} ({} bytes) are available in {}",
+                                                   size_text(space.available), space.available,
+                                                   directory.string())));
   if (quota_forbids(path, bytes))
-    refuse(path, bytes, fmt::format("more than a quota in {} allows", directory.string()));
+    fail(fmt::format("more than a quota in {} allows", directory.string()));
 }
 
 std::string reached_limit(const fs::path& path) {

@@ -29,7 +29,7 @@ std::optional<RunId> create_partial(const fs::path& path, const Skeleton& skelet
   try {
     mpi::on_root(comm, [&] {
       fs::remove(file);
-      require_space(file, minimum_size(skeleton));
+      require_space(skeleton.study.job(), file, minimum_size(skeleton));
       run_id = create_skeleton(
           file, skeleton, [&](double fraction) { return progress(skeleton_fraction * fraction); });
     });
@@ -39,14 +39,15 @@ std::optional<RunId> create_partial(const fs::path& path, const Skeleton& skelet
       return progress(skeleton_fraction + (1 - skeleton_fraction) * fraction);
     };
     if (run_id && must_fill &&
-        !fill_uncompressed(file, skeleton.maps, skeleton.tiling, fill_progress, comm))
+        !fill_uncompressed(file, skeleton.maps, MapShape(skeleton.study), skeleton.tiling,
+                           fill_progress, comm))
       run_id.reset();
     mpi::on_root(comm, [&] {
       if (!run_id) return;
       check_run_id(*run_id, file);
       fs::rename(file, partial_path(path));
     });
-  } catch (const mpi::RootError&) {  // thrown on all ranks; any other exception ends the program
+  } catch (const mpi::RootError&) {  // thrown on all ranks, after a file may have been created
     remove();
     throw;
   }
@@ -54,11 +55,13 @@ std::optional<RunId> create_partial(const fs::path& path, const Skeleton& skelet
   return run_id;
 }
 
-RunId continue_partial(const fs::path& path, const Tiling& tiling, const std::vector<MapInfo>& maps,
-                       const std::vector<TileRange>& to_compute, const std::string& history_line) {
+RunId continue_partial(const fs::path& path, const Study& study, const Tiling& tiling,
+                       const std::vector<MapInfo>& maps, const std::vector<TileRange>& to_compute,
+                       const std::string& history_line) {
   hdf5::silence();
   const fs::path partial = partial_path(path);
-  require_allocated(partial, maps, tiling, to_compute);
+  const MapShape shape(study);
+  require_allocated(partial, maps, shape, tiling, to_compute);
   RunId run_id{};
   write_partial(partial, [&] {
     hdf5::File file(H5Fopen(partial.c_str(), H5F_ACC_RDWR, H5P_DEFAULT),
@@ -67,7 +70,7 @@ RunId continue_partial(const fs::path& path, const Tiling& tiling, const std::ve
     // the size of the file that holds them.
     hdf5::check(H5Fincrement_filesize(file, 0), "set the file's size");
     run_id = write_run_id(file, partial);
-    for (const MapInfo& map : maps) reset_edge_chunks(file, map, tiling, to_compute);
+    for (const MapInfo& map : maps) reset_edge_chunks(file, map, shape, tiling, to_compute);
     std::string history;
     try {
       history = hdf5::read_text_attribute(file, "history") + "\n";

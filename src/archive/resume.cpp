@@ -20,12 +20,15 @@
 namespace trebsweep {
 namespace {
 
-/// The keys that affect the maps and differ between two jobs, with both values.
+/// The keys that affect the maps or the optima of scenes and differ between two jobs, with both
+/// values.
 std::vector<std::string> differences(const Job& here, const Job& there) {
+  // Of a study, it decides whether the optima of the scenes have an error.
+  const bool check_matters = is_study(here);
   std::vector<std::string> different;
   for (const Key& key : job_keys()) {
     const std::string value_here = key.get(here), value_there = key.get(there);
-    if (key.name == "output.file" || key.name == "solver.check" ||
+    if (key.name == "output.file" || (key.name == "solver.check" && !check_matters) ||
         key.name.starts_with("assess.") || value_here == value_there)
       continue;
     const auto text = [](const std::string& value) { return value.empty() ? "none" : value; };
@@ -85,8 +88,8 @@ ArchiveContents read_resumable(const Job& job, const std::filesystem::path& part
                                    partial.string(), fmt::join(different, "; ")));
   if (has_fma(contents.kernel) != has_fma(instruction_set()))
     refuse_version(partial, "on a machine with", contents.kernel, instruction_set());
-  const Lattice lattice(job.scene, job.lattice);
-  read_or_explain(partial, [&] { return contents.tiling(lattice); });
+  const Study study(job);
+  read_or_explain(partial, [&] { return contents.tiling(study); });
   return contents;
 }
 

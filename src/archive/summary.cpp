@@ -5,16 +5,13 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
-#include "trebsweep/base/mpi.hpp"
+#include "trebsweep/archive/scene_table.hpp"
 #include "trebsweep/base/number.hpp"
 
 namespace trebsweep {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 bool must_be_taut(const Job& job) { return job.output.optimum_filter == OptimumFilter::taut; }
 
@@ -27,7 +24,7 @@ std::string to_text(const Design<double>& design, bool in_lattice) {
 
 std::string to_text(const Optimum& optimum, const Job& job, bool in_lattice) {
   const Field objective = job.optimum.objective;
-  const auto& [design, value, speed, release_time] = optimum;
+  const auto& [design, value, speed, release_time, scene] = optimum;
   const std::string place =
       fmt::format("at {}, released at {:.8g} s", to_text(design, in_lattice), release_time);
   const std::string unit = unit_text(info(objective).units);
@@ -35,6 +32,7 @@ std::string to_text(const Optimum& optimum, const Job& job, bool in_lattice) {
                          ? fmt::format("{:.8f} m/s {}", speed, place)
                          : fmt::format("{} {:.10g}{}{} {} with {:.8f} m/s", info(objective).name,
                                        value, unit.empty() ? "" : " ", unit, place, speed);
+  if (is_study(job)) text += fmt::format(", where {}", outer_values_text(job, scene));
   if (must_be_taut(job)) text += ", the sling taut";
   const auto& constraints = job.optimum.constraints;
   for (std::size_t c = 0; c < constraints.size(); ++c)
@@ -75,48 +73,30 @@ double Summary::utilisation() const {
   return lane_steps == 0 ? 0 : static_cast<double>(steps) / static_cast<double>(lane_steps);
 }
 
-Summary to_summary(const Tally& tally, const std::array<std::vector<double>, 3>& axes) {
+Summary to_summary(const Tally& tally, const Study& study) {
   Summary summary;
   summary.statuses = tally.statuses;
   summary.steps = tally.steps;
   summary.lane_steps = tally.lane_steps;
   summary.integration_seconds = tally.integration_seconds;
   summary.sweep_seconds = tally.sweep_seconds;
-  const auto design_of = [&](std::uint64_t cell) {
-    const auto& [r1, r3, r2] = axes;
-    return Design<double>{r1[cell / r2.size() / r3.size()], r3[cell / r2.size() % r3.size()],
-                          r2[cell % r2.size()]};
-  };
-  if (tally.best_cell != no_cell)
-    summary.optimum = {design_of(tally.best_cell), tally.best_value, tally.best_speed,
-                       tally.best_time};
-  for (const std::uint64_t cell : tally.first_cells)
-    if (cell != no_cell) summary.first_of_statuses.push_back(design_of(cell));
+  if (tally.best_cell != no_cell) {
+    const auto [scene, design] = study.design(tally.best_cell);
+    summary.optimum = {design, tally.best_value, tally.best_speed, tally.best_time, scene};
+  }
+  for (const std::uint64_t cell : tally.first_cells) {
+    if (cell == no_cell) continue;
+    const auto [scene, design] = study.design(cell);
+    summary.first_of_statuses.push_back({scene, design});
+  }
   return summary;
 }
 
-Summary combine(const Tally& tally, const Lattice& lattice, MPI_Comm comm) {
-  Tally sum;
-  sum.statuses = tally.statuses;
-  mpi::sum(sum.statuses, comm);
-  std::array steps{tally.steps, tally.lane_steps};
-  mpi::sum(steps, comm);
-  sum.steps = steps[0];
-  sum.lane_steps = steps[1];
-  sum.integration_seconds = mpi::sum(tally.integration_seconds, comm);
-  sum.sweep_seconds = mpi::sum(tally.sweep_seconds, comm);
-
-  const double best_value = mpi::max(tally.best_value, comm);
-  sum.best_cell = mpi::min(tally.best_value == best_value ? tally.best_cell : no_cell, comm);
-  const auto of_best = [&](double value) {
-    return mpi::max(tally.best_cell == sum.best_cell ? value : -infinity, comm);
-  };
-  sum.best_value = of_best(tally.best_value);  // the maximum of 0 and -0 may be either
-  sum.best_speed = of_best(tally.best_speed);
-  sum.best_time = of_best(tally.best_time);
-  for (std::size_t s = 0; s < status_names.size(); ++s)
-    sum.first_cells[s] = mpi::min(tally.first_cells[s], comm);
-  return to_summary(sum, lattice.axes());
+std::optional<RefinedOptimum> best_refined(const Job& job, std::span<const SceneOptimum> optima) {
+  const auto scene = best_scene(optima);
+  if (!job.optimum.refine || !scene) return std::nullopt;
+  const auto& [value, speed, r1, r3, r2, release_time, error] = optima[*scene];
+  return RefinedOptimum{{{r1, r3, r2}, value, speed, release_time, *scene}, error};
 }
 
 std::string to_text(const Summary& summary, const Job& job) {
@@ -129,6 +109,7 @@ std::string to_text(const Summary& summary, const Job& job) {
   if (const auto& refined = summary.refined)
     text += fmt::format("refined   {}, error {:.1g}\n", to_text(refined->optimum, job, false),
                         refined->error);
+  if (!summary.optima.empty()) text += scene_table(job, summary.optima, summary.complete) + "\n";
   text +=
       fmt::format("error     {}\n", summary.error ? to_text(*summary.error, job.optimum.objective)
                                                   : std::string("not measured"));

@@ -10,6 +10,8 @@
 
 #include "trebsweep/archive/checksum.hpp"
 #include "trebsweep/archive/hdf5.hpp"
+#include "trebsweep/archive/map_shape.hpp"
+#include "trebsweep/archive/scene_optimum.hpp"
 #include "trebsweep/archive/tally.hpp"
 #include "trebsweep/archive/untrusted_file.hpp"
 
@@ -70,35 +72,54 @@ hdf5::Dataset open_uncached(hid_t file, const std::string& name) {
   return {H5Dopen2(file, name.c_str(), access), "open " + name};
 }
 
-/// Sets the flags of what matches its checksum: for each tile those of its maps and of its tally.
-void verify(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
+/// What tiles of a study have in the column best.
+std::vector<std::uint64_t> best_checksums(hid_t file, const MapShape& shape, const Tiling& tiling,
+                                          const TileRange& tiles) {
+  const std::uint64_t first_scene = tiling.tile(tiles.first).scene;
+  const std::uint64_t scenes = tiling.tile(tiles.end - 1).scene - first_scene + 1;
+  const auto optima = read_optima(file, shape.outer(), first_scene, scenes);
+  std::vector<std::uint64_t> checksums(tiles.end - tiles.first, 0);
+  for (std::uint64_t n = 0; n < scenes; ++n) {
+    const std::uint64_t last = tiling.of_scene(first_scene + n).end - 1;
+    if (last < tiles.end) checksums[last - tiles.first] = checksum(optima[n]);
+  }
+  return checksums;
+}
+
+/// Sets the flags of what matches its checksum: for each tile those of checksum_columns().
+void verify(const std::filesystem::path& path, const std::vector<MapInfo>& maps, const Study& study,
             const Tiling& tiling, const TileRange& tiles, SharedFlags& intact) {
   const hdf5::File file = untrusted::open(path);
-  const std::size_t columns = maps.size() + 1;
+  const MapShape shape(study);
+  const std::size_t columns = checksum_columns(maps, is_study(study.job())).size();
   // Older archives have fewer columns.
   const std::size_t tally_size = hdf5::extents(hdf5::open_dataset(file, "tile_tally")).at(1);
   const auto expected =
       read_rows<std::uint64_t>(file, "tile_checksum", H5T_NATIVE_UINT64, tiles, columns);
   const auto tallies = read_rows<double>(file, "tile_tally", H5T_NATIVE_DOUBLE, tiles, tally_size);
+  std::vector<std::uint64_t> best;
+  if (is_study(study.job())) best = best_checksums(file, shape, tiling, tiles);
   std::vector<hdf5::Dataset> datasets;
   for (const MapInfo& map : maps) datasets.push_back(open_uncached(file, map.dataset));
   std::vector<std::byte> bytes;
   for (std::uint64_t t = tiles.first; t < tiles.end; ++t) {
     const Tile tile = tiling.tile(t);
-    const std::size_t row = t - tiles.first;
+    const std::size_t row = (t - tiles.first) * columns;
     for (std::size_t m = 0; m < maps.size(); ++m) {
-      bytes.resize(tile.cells() * bytes_per_value(maps[m].type));
+      bytes.resize(tile.block.cells() * bytes_per_value(maps[m].type));
       try {
-        read_block(datasets[m], file_type(maps[m].type), sizes(tile.first), sizes(tile.count),
-                   bytes.data());
+        read_block(datasets[m], file_type(maps[m].type), shape.first_cell(tile),
+                   shape.block(tile.block.count), bytes.data());
       } catch (const std::runtime_error&) {
         continue;  // damaged so that HDF5 notices it
       }
-      intact[row * columns + m] = checksum(bytes) == expected[row * columns + m];
+      intact[row + m] = checksum(bytes) == expected[row + m];
     }
-    const auto tally = std::span(tallies).subspan(row * tally_size, tally_size);
-    intact[row * columns + maps.size()] =
-        checksum(std::as_bytes(tally)) == expected[row * columns + maps.size()];
+    if (is_study(study.job()))
+      intact[row + maps.size()] = best[t - tiles.first] == expected[row + maps.size()];
+    const auto tally = std::span(tallies).subspan((t - tiles.first) * tally_size, tally_size);
+    const std::size_t last = row + columns - 1;
+    intact[last] = checksum(std::as_bytes(tally)) == expected[last];
   }
 }
 
@@ -113,12 +134,12 @@ std::uint64_t tiles_per_verification(const std::vector<MapInfo>& maps, const Til
 }
 
 std::vector<Damage> find_damage(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
-                                const Tiling& tiling, const TileRange& tiles) {
-  const std::size_t columns = maps.size() + 1;
+                                const Study& study, const Tiling& tiling, const TileRange& tiles) {
+  const std::size_t columns = checksum_columns(maps, is_study(study.job())).size();
   const std::size_t flags = (tiles.end - tiles.first) * columns;
   SharedFlags intact(flags);
   // What the child has not reached when HDF5 crashes or hangs remains damaged.
-  untrusted::completes(path, [&] { verify(path, maps, tiling, tiles, intact); });
+  untrusted::completes(path, [&] { verify(path, maps, study, tiling, tiles, intact); });
   std::vector<Damage> damage;
   for (std::size_t i = 0; i < flags; ++i)
     if (!intact[i]) damage.push_back({tiles.first + i / columns, i % columns});

@@ -9,6 +9,7 @@
 #include "trebsweep/job/lattice.hpp"
 #include "trebsweep/job/load_job.hpp"
 #include "trebsweep/job/sample.hpp"
+#include "trebsweep/job/study.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
@@ -58,8 +59,9 @@ std::vector<Case> make_cases(const Job& job, MPI_Comm comm) {
   std::vector<Case> cases;
   const auto add = [&](const std::vector<std::string>& paths, bool extreme) {
     for (const std::string& path : paths) {
-      cases.push_back(make_case(std::filesystem::path(path).stem().string(),
-                                load_job(path, job.assess.overrides, comm), extreme,
+      const Job scene = load_job(path, job.assess.overrides, comm);
+      require_one_scene(scene, "assess takes one scene from each file, also from " + path);
+      cases.push_back(make_case(std::filesystem::path(path).stem().string(), scene, extreme,
                                 job.assess.designs, comm));
     }
   };

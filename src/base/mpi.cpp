@@ -10,6 +10,11 @@
 namespace trebsweep::mpi {
 namespace {
 
+std::uint64_t min(std::uint64_t value, MPI_Comm comm) {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_UINT64_T, MPI_MIN, comm);
+  return value;
+}
+
 void sum_on_root(void* values, std::size_t count, MPI_Datatype type, MPI_Comm comm) {
   const bool root = rank(comm) == 0;
   MPI_Reduce(root ? MPI_IN_PLACE : values, root ? values : nullptr, static_cast<int>(count), type,
@@ -43,19 +48,9 @@ double max(double value, MPI_Comm comm) {
   return value;
 }
 
-std::uint64_t min(std::uint64_t value, MPI_Comm comm) {
-  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_UINT64_T, MPI_MIN, comm);
-  return value;
-}
-
 void sum(std::span<std::uint64_t> values, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_UINT64_T, MPI_SUM,
                 comm);
-}
-
-double sum(double value, MPI_Comm comm) {
-  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, comm);
-  return value;
 }
 
 void sum_on_root(std::span<double> values, MPI_Comm comm) {

@@ -28,6 +28,17 @@ double to_number(const std::string& key, const std::string& value, const Range& 
   return number;
 }
 
+double rounded_sum(double first, std::size_t n, double step) {
+  if (n == 0) return first;
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.begin(), text.end(), first + static_cast<double>(n) * step,
+                                 std::chars_format::general, 15)
+                       .ptr;
+  double sum = 0;
+  std::from_chars(text.begin(), end, sum);
+  return sum;
+}
+
 double to_seconds(const std::string& key, const std::string& value) {
   const auto refuse_time = [&] {
     refuse(key, value, "a time above 0, in seconds or as [[days-]hours:]minutes:seconds");

@@ -12,6 +12,7 @@
 #include "trebsweep/cli/info.hpp"
 #include "trebsweep/cli/trace.hpp"
 #include "trebsweep/job/load_job.hpp"
+#include "trebsweep/job/study.hpp"
 #include "trebsweep/optimum/report.hpp"
 #include "trebsweep/sweep/sweep.hpp"
 #include "trebsweep/swing/kernel.hpp"
@@ -47,6 +48,7 @@ void print_stopped(const Summary& summary, bool overwrite) {
 
 void run_trace(const CommandLine& line) {
   const Job job = load_job(line.file, line.overrides);
+  require_one_scene(job, "trace integrates one scene");
   const auto print = line.flight ? trace_flight : trace;
   const Status status = print(job, line.design, line.interval, stdout);
   if (status == Status::released_below_ground)
@@ -84,6 +86,9 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
 
 int run_optimum(const CommandLine& line) {
   const Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
+  require_one_scene(job,
+                    "optimum searches in one scene; 'trebsweep sweep JOB --output.maps none "
+                    "--optimum.refine yes' finds the optimum of each");
   const OptimumOptions options{.own_lattice = line.overrides.contains("lattice.increment"),
                                .progress = line.progress};
   try {
@@ -98,6 +103,7 @@ int run_optimum(const CommandLine& line) {
 
 void run_assess(const CommandLine& line, const std::string& command) {
   Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
+  require_one_scene(job, "assess takes one scene from each file");
   for (const auto& [name, value] : line.overrides)
     if (!name.starts_with("assess.") && !name.starts_with("output."))
       job.assess.overrides[name] = value;

@@ -16,6 +16,11 @@ the results to one HDF5 archive (output.file). The summary goes to stdout,
 progress and warnings about doubtful results go to stderr. Until the archive is
 complete, its name ends in .partial.
 
+A key of [scene] with several numbers (first:last:step, or a list) makes the
+sweep a study: it visits every combination of such keys, the maps have their
+axes first, and the optimum of each scene is stored as well. With
+output.maps = none nothing else is stored.
+
 To continue an interrupted sweep, run the same command again, on any number of
 ranks; a killed sweep loses only its last few seconds. Tiles that do not match
 their checksums are computed again. SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and

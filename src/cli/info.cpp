@@ -70,12 +70,16 @@ std::string describe_sweep(const fs::path& path) {
   text += fmt::format("scene     {}\nsolver    {}\n", contents.scene, solver_text(job.solver));
   text += fmt::format("tiles     {} of {} done, of {} designs (r1 x r3 x r2)\n",
                       contents.tiles_done, contents.tiles, fmt::join(contents.tile_edge, " x "));
-  text += fmt::format("lattice   {} x {} x {} (r1 x r3 x r2), {} designs\n",
-                      contents.axes[0].size(), contents.axes[1].size(), contents.axes[2].size(),
-                      Lattice(job.scene, job.lattice).designs());
-  Summary summary = to_summary(contents.tally(), contents.axes);
+  const Study study(job);
+  text +=
+      fmt::format("lattice   {} x {} x {} (r1 x r3 x r2), {} designs{}\n", contents.axes[0].size(),
+                  contents.axes[1].size(), contents.axes[2].size(), study.designs(),
+                  study.scenes() > 1 ? fmt::format(" in {} scenes", study.scenes()) : "");
+  Summary summary = to_summary(contents.tally(), study);
+  summary.optima = contents.optima;
+  summary.complete = contents.complete();
   summary.error = contents.error;
-  summary.refined = contents.refined;
+  summary.refined = is_study(job) ? best_refined(job, contents.optima) : contents.refined;
   text += to_text(summary, job);
   text += fmt::format("\nsource    {}, {}\n", contents.source, contents.kernel);
   text += "history   " + boost::replace_all_copy(contents.history, "\n", "\n          ");
@@ -126,27 +130,30 @@ void require_verifiable(const fs::path& path, const ArchiveContents& contents) {
 
 /// The damage in the tiles that are done.
 std::vector<Damage> find_damage(const fs::path& path, const std::vector<MapInfo>& maps,
-                                const Tiling& tiling, std::uint64_t tiles_done,
+                                const Study& study, const Tiling& tiling, std::uint64_t tiles_done,
                                 ProgressStyle style) {
   std::vector<Damage> all;
   Progress progress(0, tiles_done, style, "tiles verified");
   const std::uint64_t at_once = tiles_per_verification(maps, tiling);
   for (std::uint64_t first = 0; first < tiles_done; first += at_once) {
     const TileRange tiles{first, std::min(first + at_once, tiles_done)};
-    const auto damage = find_damage(path, maps, tiling, tiles);
+    const auto damage = find_damage(path, maps, study, tiling, tiles);
     all.insert(all.end(), damage.begin(), damage.end());
     progress.update(tiles.end);
   }
   return all;
 }
 
-/// The part of the lattice that a tile covers.
-std::string extent_text(const Tile& tile, const std::array<std::vector<double>, 3>& axes) {
+/// The part of the lattice, and the scene of a study, that a tile covers.
+std::string extent_text(const Tile& tile, const Study& study) {
+  const auto& [first, count] = tile.block;
   const auto range = [&](std::size_t d) {
-    const double first = axes[d][tile.first[d]], last = axes[d][tile.first[d] + tile.count[d] - 1];
-    return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
+    const double low = study.axes()[d][first[d]], high = study.axes()[d][first[d] + count[d] - 1];
+    return low == high ? fmt::format("{}", low) : fmt::format("{} to {}", low, high);
   };
-  return fmt::format("r1 = {}, r3 = {}, r2 = {} m", range(0), range(1), range(2));
+  const std::string scene = outer_values_text(study.job(), tile.scene);
+  return fmt::format("{}{}r1 = {}, r3 = {}, r2 = {} m", scene, scene.empty() ? "" : ", ", range(0),
+                     range(1), range(2));
 }
 
 }  // namespace
@@ -168,16 +175,16 @@ void verify_archive(const fs::path& given, ProgressStyle style, std::FILE* out) 
   const auto contents = read_or_explain(path, [&] { return read_contents(path); });
   require_verifiable(path, contents);
   const Job job = parse_job(contents.job, path, {});
-  const auto tiling =
-      read_or_explain(path, [&] { return contents.tiling(Lattice(job.scene, job.lattice)); });
+  const Study study(job);
+  const auto tiling = read_or_explain(path, [&] { return contents.tiling(study); });
   const auto maps = map_infos(job.output);
-  const auto damage = find_damage(path, maps, tiling, contents.tiles_done, style);
+  const auto damage = find_damage(path, maps, study, tiling, contents.tiles_done, style);
 
   fmt::print(out, "archive   {}, {}\n", path.string(), progress_text(path, contents));
-  const auto columns = checksum_columns(maps);
+  const auto columns = checksum_columns(maps, is_study(job));
   for (const auto& [tile, column] : damage)
     fmt::print(out, "damaged   {}, tile {}: {}\n", columns[column], tile,
-               extent_text(tiling.tile(tile), contents.axes));
+               extent_text(tiling.tile(tile), study));
   if (damage.empty() && !contents.complete() && !is_partial(path))
     throw std::runtime_error(fmt::format("{}: damaged: only {} of {} tiles are marked done",
                                          path.string(), contents.tiles_done, contents.tiles));

@@ -84,7 +84,7 @@ int exit_code(bool print_error, Run run) {
 int serial_main(int argc, char** argv) {
   try {
     return exit_code(true, [&] { return run_serial(parse_command_line(argc, argv)), 0; });
-  } catch (const std::runtime_error& error) {
+  } catch (const std::exception& error) {
     std::fflush(stdout);  // what was printed before the failure
     fmt::print(stderr, "trebsweep: {}\n", error.what());
     return 1;

@@ -78,8 +78,11 @@ po::options_description key_options(Command command) {
   po::options_description options(line_length, description_length);
   const Job defaults;
   for (const std::string_view section : job_sections) {
-    po::options_description group(fmt::format("Keys of [{}]", section), line_length,
-                                  description_length);
+    const bool several = command == Command::sweep && section == "scene";
+    po::options_description group(
+        fmt::format("Keys of [{}]{}", section,
+                    several ? ", where a NUMBER may be several: first:last:step or a, b, c" : ""),
+        line_length, description_length);
     if (section == "scene")
       group.add_options()(scene_file_key.c_str(), text("PATH"),
                           "file with keys of [scene], which take precedence over the job file");

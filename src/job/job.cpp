@@ -85,6 +85,16 @@ std::string release_text(const Solver& solver) {
   return "";
 }
 
+/// The value of a key; long lists are described.
+std::string brief_value(const Key& key, const Job& job) {
+  const std::string value = key.get(job);
+  constexpr std::size_t longest = 100;
+  const auto axis = std::ranges::find(job.outer_axes, key.name, &OuterAxis::key);
+  if (value.size() <= longest || axis == job.outer_axes.end()) return value;
+  return fmt::format("{} values from {} to {}", axis->values.size(), axis->values.front(),
+                     axis->values.back());
+}
+
 }  // namespace
 
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides) {
@@ -136,7 +146,7 @@ std::string scene_text(const Job& job) {
   std::vector<std::string> differing;
   for (const Key& key : job_keys())
     if (key.section() == "scene" && key.get(job) != key.get(defaults))
-      differing.push_back(fmt::format("{} = {}", key_of(key.name), key.get(job)));
+      differing.push_back(fmt::format("{} = {}", key_of(key.name), brief_value(key, job)));
   const std::string files = fmt::format("{}", fmt::join(job.scene_files, ", "));
   return printable(fmt::format("{}{}{}", files, files.empty() ? "" : ": ",
                                differing.empty() ? "the paper's (all keys at their defaults)"

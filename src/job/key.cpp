@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <boost/math/constants/constants.hpp>
+#include <type_traits>
 
 #include "trebsweep/job/key_kinds.hpp"
+#include "trebsweep/job/study.hpp"
 
 namespace trebsweep {
 namespace {
@@ -58,6 +60,33 @@ Key key(const std::string& name, const std::string& meaning, const std::string& 
           [=](const Job& job) { return kind.print(job.*section_of<Section>.*member); }};
 }
 
+/// The key for a number of [scene], which can be an outer axis.
+template <class T>
+Key outer_key(const std::string& name, const std::string& meaning, const std::string& unit,
+              const KeyKind<T>& kind, T Scene::*member) {
+  Key outer = key(name, meaning, unit, kind, member);
+  const auto is_own = [=](const OuterAxis& axis) { return axis.key == name; };
+  outer.set_number = [=](Scene& scene, double value) { scene.*member = value; };
+  outer.set = [=, set_one = outer.set](Job& job, const std::string& value) {
+    if (!has_several_values(value)) return set_one(job, value);
+    const auto parse = [&](const std::string& text) {
+      if constexpr (std::is_same_v<T, double>)
+        return kind.parse(name, text);
+      else
+        return kind.parse(name, text).value();
+    };
+    OuterAxis axis = to_outer_axis(name, value, parse);
+    job.scene.*member = axis.values.front();
+    job.outer_axes.push_back(std::move(axis));
+    check_scene_count(job);  // before there is memory for the values of more axes
+  };
+  outer.get = [=, get_one = outer.get](const Job& job) {
+    const auto axis = std::ranges::find_if(job.outer_axes, is_own);
+    return axis == job.outer_axes.end() ? get_one(job) : axis->text;
+  };
+  return outer;
+}
+
 }  // namespace
 
 std::string Key::help() const {
@@ -67,60 +96,60 @@ std::string Key::help() const {
 // clang-format off
 const std::vector<Key>& job_keys() {
   static const std::vector<Key> keys{
-      key("scene.gravity", "gravitational acceleration g", "m/s^2",
+      outer_key("scene.gravity", "gravitational acceleration g", "m/s^2",
           number(physical), &Scene::gravity),
-      key("scene.counterweight-mass", "mass m1 of the counterweight", "kg",
+      outer_key("scene.counterweight-mass", "mass m1 of the counterweight", "kg",
           number(physical), &Scene::counterweight_mass),
-      key("scene.projectile-mass", "mass m3 of the projectile", "kg",
+      outer_key("scene.projectile-mass", "mass m3 of the projectile", "kg",
           number(physical), &Scene::projectile_mass),
-      key("scene.release-height",
+      outer_key("scene.release-height",
           "height h of the counterweight above the ground at the start (not at the projectile's "
           "release)", "m",
           number(physical), &Scene::release_height),
-      key("scene.fulcrum-height", "height h0 of the fulcrum above the ground", "m",
+      outer_key("scene.fulcrum-height", "height h0 of the fulcrum above the ground", "m",
           number(physical), &Scene::fulcrum_height),
-      key("scene.beam-density", "density of the beam", "kg/m^3",
+      outer_key("scene.beam-density", "density of the beam", "kg/m^3",
           number(physical_or_zero), &Scene::beam_density),
-      key("scene.beam-side", "side of the beam's square cross-section", "m",
+      outer_key("scene.beam-side", "side of the beam's square cross-section", "m",
           number(physical_or_zero), &Scene::beam_side),
       key("scene.beam-inertia",
           "moment of inertia of the beam: that of a slender rod (the paper's), the exact one of a "
           "square prism, or none", "",
           choice<BeamInertia>(beam_inertia_names), &Scene::beam_inertia),
-      key("scene.sling-angle",
+      outer_key("scene.sling-angle",
           "initial angle phi2 of the sling, where 0 hangs straight down", "rad",
           number(Range{-pi, pi}), &Scene::sling_angle),
-      key("scene.pivot-viscosity",
+      outer_key("scene.pivot-viscosity",
           "viscous friction of the pivot: torque per angular velocity of the beam", "N m s/rad",
           number(physical_or_zero), &Scene::pivot_viscosity),
-      key("scene.pivot-friction",
+      outer_key("scene.pivot-friction",
           "dry friction of the pivot: torque that opposes the motion and can hold a beam at rest",
           "N m",
           number(physical_or_zero), &Scene::pivot_friction),
-      key("scene.sling-mass", "mass of the sling, distributed evenly along it", "kg",
+      outer_key("scene.sling-mass", "mass of the sling, distributed evenly along it", "kg",
           number(physical_or_zero), &Scene::sling_mass),
-      key("scene.sling-stiffness",
+      outer_key("scene.sling-stiffness",
           "stiffness of an elastic sling: force per elongation, where 0 means a rigid sling", "N/m",
           number(physical_or_zero), &Scene::sling_stiffness),
-      key("scene.sling-damping",
+      outer_key("scene.sling-damping",
           "damping of an elastic sling: force per rate of elongation", "N s/m",
           number(physical_or_zero), &Scene::sling_damping),
-      key("scene.beam-mass",
+      outer_key("scene.beam-mass",
           "mass m2 of a measured beam, given with beam-centre and beam-moment instead of "
           "beam-density, beam-side and beam-inertia", "kg",
           optional_of(number(physical_or_zero)), &Scene::beam_mass),
-      key("scene.beam-centre",
+      outer_key("scene.beam-centre",
           "distance from the fulcrum to the measured beam's centre of mass, positive towards the "
           "sling", "m",
           optional_of(number(lengths)), &Scene::beam_centre),
-      key("scene.beam-moment",
+      outer_key("scene.beam-moment",
           "moment of inertia of the measured beam about the fulcrum", "kg m^2",
           optional_of(number(physical_or_zero)), &Scene::beam_moment),
-      key("scene.start-angle",
+      outer_key("scene.start-angle",
           "initial angle phi1 of the counterweight arm, where 0 points straight up, instead of "
           "release-height", "rad",
           optional_of(number(half_turn)), &Scene::start_angle),
-      key("scene.counterweight-hanger",
+      outer_key("scene.counterweight-hanger",
           "length r4 of the hinged link on which the counterweight hangs from its arm, where 0 "
           "means that it is fixed to the arm", "m",
           number(physical_or_zero), &Scene::counterweight_hanger),
@@ -128,16 +157,16 @@ const std::vector<Key>& job_keys() {
           "whether the projectile starts in a frictionless, horizontal trough under the beam, with "
           "the sling taut", "",
           yes_no(), &Scene::trough),
-      key("scene.trough-height", "height of the trough above the ground, below fulcrum-height", "m",
+      outer_key("scene.trough-height", "height of the trough above the ground, below fulcrum-height", "m",
           number(physical_or_zero), &Scene::trough_height),
-      key("scene.projectile-diameter",
+      outer_key("scene.projectile-diameter",
           "diameter of a projectile that feels drag in flight, where 0 means no drag", "m",
           number(physical_or_zero), &Scene::projectile_diameter),
-      key("scene.drag-coefficient", "drag coefficient of the projectile", "",
+      outer_key("scene.drag-coefficient", "drag coefficient of the projectile", "",
           number(physical_or_zero), &Scene::drag_coefficient),
-      key("scene.air-density", "density of the air", "kg/m^3",
+      outer_key("scene.air-density", "density of the air", "kg/m^3",
           number(physical_or_zero), &Scene::air_density),
-      key("scene.wind",
+      outer_key("scene.wind",
           "horizontal speed of the wind, positive in the direction of the throw", "m/s",
           number(winds), &Scene::wind),
 
@@ -203,6 +232,8 @@ const std::vector<Key>& job_keys() {
       key("output.optimum",
           "designs that compete for the optimum: all, or those whose sling stays taut", "",
           choice<OptimumFilter>(optimum_filter_names), &Output::optimum_filter),
+      key("output.maps", "whether the maps are stored, or only the optimum of each scene", "",
+          choice<Maps>(maps_names), &Output::maps),
       key("output.storage", "number type of the maps", "",
           choice<Storage>(storage_names), &Output::storage),
       key("output.compression", "deflate level of the maps, where 0 means no compression", "",

@@ -12,19 +12,6 @@ bool is_readable_back(const std::string& path) {
          path.find_first_of("#\n\r\"") == std::string::npos;
 }
 
-/// Throws InputError unless stepping from the first value reaches the last one.
-void check_steps(const std::string& key, const std::string& text, const AxisRange& axis) {
-  const double steps = (axis.last - axis.first) / axis.step;
-  // In steps: decimals are rounded to doubles, relative to the magnitude of the last value.
-  const double rounding_allowance = 1e-9 + 1e-15 * axis.last / axis.step;
-  if (std::abs(steps - std::round(steps)) <= rounding_allowance) return;
-  const auto value_after = [&](double n) { return axis.first + n * axis.step; };
-  refuse(key, text,
-         fmt::format("a range whose last value is an integer number of steps from the first; the "
-                     "nearest are {:.15g} and {:.15g}",
-                     value_after(std::floor(steps)), value_after(std::ceil(steps))));
-}
-
 AxisRange to_axis(const std::string& key, const std::string& text) {
   const std::string allowed =
       "first:last:step or a single value, in metres, each from 1e-12 to 1e+12, with first <= last";
@@ -44,6 +31,18 @@ AxisRange to_axis(const std::string& key, const std::string& text) {
 }
 
 }  // namespace
+
+void check_steps(const std::string& key, const std::string& text, const AxisRange& axis) {
+  const double steps = (axis.last - axis.first) / axis.step;
+  // In steps: decimals are rounded to doubles, relative to the magnitude of the last value.
+  const double rounding_allowance = 1e-9 + 1e-15 * std::abs(axis.last) / axis.step;
+  if (std::abs(steps - std::round(steps)) <= rounding_allowance) return;
+  const auto value_after = [&](double n) { return axis.first + n * axis.step; };
+  refuse(key, text,
+         fmt::format("a range whose last value is an integer number of steps from the first; the "
+                     "nearest are {:.15g} and {:.15g}",
+                     value_after(std::floor(steps)), value_after(std::ceil(steps))));
+}
 
 std::vector<std::string> to_words(const std::string& text) {
   std::vector<std::string> words;

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/base/number.hpp"
 
 namespace trebsweep {
 namespace {
@@ -18,19 +18,6 @@ constexpr double rounding_allowance = 1e-6;
 
 constexpr double max_cells = 1e12;
 constexpr double max_axis_size = 1e7;
-
-/// first + i * step, rounded to 15 digits, so that 0.51 is the same number here, as a single value
-/// in a job file, and in ds.sel(r1=0.51).
-double value_at(double first, double step, std::size_t i) {
-  if (i == 0) return first;
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.begin(), text.end(), first + static_cast<double>(i) * step,
-                                 std::chars_format::general, 15)
-                       .ptr;
-  double value = 0;
-  std::from_chars(text.begin(), end, value);
-  return value;
-}
 
 /// How many of the values first, first + step, ... are strictly below `end`.
 double count_below(double end, double first, double step) {
@@ -51,12 +38,12 @@ AxisPlan explicit_axis(const AxisRange& range) {
 
 /// The values low + step, low + 2 step, ... strictly below `high`.
 AxisPlan open_interval(double low, double high, double step) {
-  return {value_at(low, step, 1), step, std::max(0.0, count_below(high, low, step) - 1)};
+  return {rounded_sum(low, 1, step), step, std::max(0.0, count_below(high, low, step) - 1)};
 }
 
 std::vector<double> values(const AxisPlan& plan) {
   std::vector<double> axis(static_cast<std::size_t>(plan.count));
-  for (std::size_t i = 0; i < axis.size(); ++i) axis[i] = value_at(plan.first, plan.step, i);
+  for (std::size_t i = 0; i < axis.size(); ++i) axis[i] = rounded_sum(plan.first, i, plan.step);
   return axis;
 }
 
@@ -162,36 +149,45 @@ Lattice::Lattice(const Scene& scene, const LatticeSpec& spec) {
   const AxisPlan r2 = plan_r2(scene, spec, r3.first);
   check_size({r1, r3, r2}, spec);
 
-  axes_ = {values(r1), values(r3), values(r2)};
-  row_length_.reserve(axes_[1].size());
-  for (const double sling : axes_[1]) {
+  axes_ = std::make_shared<const LatticeAxes>(LatticeAxes{values(r1), values(r3), values(r2)});
+  r1_.resize(axes()[0].size());
+  std::iota(r1_.begin(), r1_.end(), std::size_t{0});
+  row_length_.reserve(axes()[1].size());
+  for (const double sling : axes()[1]) {
     const double count =
         spec.r2 ? r2.count : open_interval(0, scene.fulcrum_height - sling, spec.increment).count;
     row_length_.push_back(static_cast<std::size_t>(count));
   }
 }
 
-std::uint64_t Lattice::designs() const {
-  return axes_[0].size() *
-         std::accumulate(row_length_.begin(), row_length_.end(), std::uint64_t{0});
+void Lattice::extend_to(std::shared_ptr<const LatticeAxes> box) {
+  const std::vector<double>& r1 = (*box)[0];
+  for (std::size_t& i : r1_)
+    i = static_cast<std::size_t>(std::ranges::lower_bound(r1, axes()[0][i]) - r1.begin());
+  row_length_.resize((*box)[1].size(), 0);
+  axes_ = std::move(box);
 }
+
+std::uint64_t Lattice::designs() const { return designs_in({{0, 0, 0}, extent()}); }
 
 Index3 Lattice::index_of(const Design<double>& design) const {
   const auto index_along = [&](std::size_t axis, double value) {
-    const auto& values = axes_[axis];
+    const auto& values = axes()[axis];
     return static_cast<std::size_t>(std::lower_bound(values.begin(), values.end(), value) -
                                     values.begin());
   };
   return {index_along(0, design.r1), index_along(1, design.r3), index_along(2, design.r2)};
 }
 
-std::uint64_t Lattice::designs_in(const Tile& tile) const {
+std::uint64_t Lattice::designs_in(const Block& block) const {
   std::uint64_t plane = 0;
-  for (std::size_t i = 0; i < tile.count[1]; ++i) {
-    const std::size_t length = row_length_[tile.first[1] + i];
-    if (length > tile.first[2]) plane += std::min(length - tile.first[2], tile.count[2]);
+  for (std::size_t i = 0; i < block.count[1]; ++i) {
+    const std::size_t length = row_length_[block.first[1] + i];
+    if (length > block.first[2]) plane += std::min(length - block.first[2], block.count[2]);
   }
-  return tile.count[0] * plane;
+  const auto planes = std::ranges::lower_bound(r1_, block.first[0] + block.count[0]) -
+                      std::ranges::lower_bound(r1_, block.first[0]);
+  return static_cast<std::uint64_t>(planes) * plane;
 }
 
 }  // namespace trebsweep

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/job/study.hpp"
 
 namespace trebsweep {
 namespace {
@@ -91,10 +92,10 @@ std::string why_absent(Field field, const Scene& scene) {
 }
 
 /// Checks that the scene has every field that the job asks for.
-void check_fields(const Job& job) {
+void check_fields(const Job& job, const Scene& scene) {
   const auto check = [&](Field field, const char* key, const std::string& value,
                          const char* allowed) {
-    if (const std::string why = why_absent(field, job.scene); !why.empty())
+    if (const std::string why = why_absent(field, scene); !why.empty())
       refuse(key, value, fmt::format("{} {}", allowed, why));
   };
   const auto name = [](Field field) { return std::string(info(field).name); };
@@ -130,10 +131,28 @@ void check_optimum(const OptimumSpec& optimum) {
            "no unless optimum.deviation is above 0");
 }
 
+/// Checks what a job with several scenes may ask for.
+void check_study(const Job& job) {
+  if (!is_study(job)) return;
+  if (job.solver.target_error > 0)
+    refuse_number("solver.target-error", job.solver.target_error,
+                  fmt::format("left out if {} has several values: each scene would need its own "
+                              "tolerance; give solver.tolerance",
+                              job.outer_axes.back().key));
+  for (const OuterAxis& axis : job.outer_axes)
+    for (const Field field : stored_fields(job.output))
+      if (info(field).name == axis.name())
+        refuse("output.fields", axis.name(),
+               fmt::format("left out if {} has several values: the archive has that axis under the "
+                           "same name",
+                           axis.key));
+}
+
 }  // namespace
 
 std::map<std::string, std::string> unused_keys(const Job& job) {
-  const Scene& scene = job.scene;
+  // The scene with the largest values uses a key if any scene does.
+  const Scene scene = scene_at(job, count_scenes(job) - 1);
   const Solver& solver = job.solver;
   std::map<std::string, std::string> unused;
   const auto leave_out = [&](std::initializer_list<const char*> keys, const std::string& why) {
@@ -174,12 +193,18 @@ std::map<std::string, std::string> unused_keys(const Job& job) {
 
 void check_rules(const Job& job, const std::map<std::string, std::string>& given) {
   check_release(job.solver);
+  check_study(job);
   for (const auto& [key, why] : unused_keys(job))
     if (const auto found = given.find(key); found != given.end()) refuse(key, found->second, why);
-  check_beam(job.scene);
-  check_trough(job.scene);
-  check_sling(job.scene);
-  check_fields(job);
+  for (std::uint64_t n = 0; n < count_scenes(job); ++n) {
+    name_scene_in_errors(job, n, [&] {
+      const Scene scene = scene_at(job, n);
+      check_beam(scene);
+      check_trough(scene);
+      check_sling(scene);
+      check_fields(job, scene);
+    });
+  }
   check_optimum(job.optimum);
 }
 

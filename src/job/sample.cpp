@@ -20,7 +20,7 @@ std::set<Index3> corners(const Lattice& lattice) {
 }
 
 /// The indices of all designs in a box, in storage order.
-std::vector<Index3> indices_in(const Lattice& lattice, const Tile& box) {
+std::vector<Index3> indices_in(const Lattice& lattice, const Block& box) {
   std::vector<Index3> indices;
   for (std::size_t i1 = box.first[0]; i1 < box.first[0] + box.count[0]; ++i1)
     for (std::size_t i3 = box.first[1]; i3 < box.first[1] + box.count[1]; ++i3)
@@ -31,7 +31,7 @@ std::vector<Index3> indices_in(const Lattice& lattice, const Tile& box) {
 
 /// `given` and `count` more designs of a box; all designs of the box if it has no more than that.
 std::vector<Index3> with_sobol(std::set<Index3> given, std::size_t count, const Lattice& lattice,
-                               const Tile& box) {
+                               const Block& box) {
   const std::size_t wanted = given.size() + count;
   if (lattice.designs_in(box) <= wanted) return indices_in(lattice, box);
   boost::random::sobol sequence(3);
@@ -46,7 +46,7 @@ std::vector<Index3> with_sobol(std::set<Index3> given, std::size_t count, const 
   return {given.begin(), given.end()};
 }
 
-Tile whole(const Lattice& lattice) { return {{0, 0, 0}, lattice.extent()}; }
+Block whole(const Lattice& lattice) { return {{0, 0, 0}, lattice.extent()}; }
 
 std::vector<Design<double>> designs_at(const std::vector<Index3>& indices, const Lattice& lattice) {
   std::vector<Design<double>> designs;
@@ -60,7 +60,7 @@ std::vector<Design<double>> all_designs(const Lattice& lattice) {
   return designs_at(indices_in(lattice, whole(lattice)), lattice);
 }
 
-std::vector<Index3> sample_box(const Lattice& lattice, const Tile& box, std::size_t count) {
+std::vector<Index3> sample_box(const Lattice& lattice, const Block& box, std::size_t count) {
   return with_sobol({}, count, lattice, box);
 }
 

@@ -29,9 +29,10 @@ MapType map_type(Field field, Storage storage) {
 double fill_value(Field field) { return is_flag(field) ? 0 : nan; }
 
 std::vector<MapInfo> map_infos(const Output& output) {
-  const bool has_status = std::count(output.fields.begin(), output.fields.end(), Field::status) > 0;
+  const std::vector<Field> fields = stored_fields(output);
+  const bool has_status = std::ranges::count(fields, Field::status) > 0;
   std::vector<MapInfo> maps;
-  for (const Field field : output.fields)
+  for (const Field field : fields)
     maps.push_back({.dataset = dataset_name(field),
                     .units = std::string(info(field).units),
                     .long_name = std::string(info(field).meaning),
@@ -43,7 +44,7 @@ std::vector<MapInfo> map_infos(const Output& output) {
 }
 
 Attributes result_attributes(const Summary& summary) {
-  const Optimum none{{nan, nan, nan}, nan, nan, nan};
+  const Optimum none{{nan, nan, nan}, nan, nan, nan, 0};
   const Optimum optimum =
       summary.refined ? summary.refined->optimum : summary.optimum.value_or(none);
   const MeasuredError error = summary.error.value_or(MeasuredError{nan, nan, nan, 0});
@@ -72,7 +73,7 @@ Attributes root_attributes(const Job& job, const std::string& history,
   Attributes all = result_attributes(Summary{});
   all.insert(all.end(), {{"format_version", format_version},
                          {"Conventions", std::string("CF-1.10")},
-                         {"title", "Trebuchet sweep " +
+                         {"title", (is_study(job) ? "Trebuchet study " : "Trebuchet sweep ") +
                                        std::filesystem::path(job.output.file).stem().string()},
                          {"source", version_text()},
                          {"kernel", std::string(instruction_set())},

@@ -16,7 +16,7 @@ namespace {
 
 /// The fields that a job's maps and its choice of the optimum need in addition to SwingResult's.
 std::vector<Field> fields_of(const Job& job) {
-  std::vector<Field> fields = job.output.fields;
+  std::vector<Field> fields = stored_fields(job.output);
   const std::vector<Field> deciding = deciding_fields(job);
   fields.insert(fields.end(), deciding.begin(), deciding.end());
   return additional_fields(fields);
@@ -24,42 +24,49 @@ std::vector<Field> fields_of(const Job& job) {
 
 /// Designs of a tile with the same r1 and r3 and adjacent r2.
 struct Row {
-  std::size_t tile;   ///< in the list of tiles
-  Index3 first;       ///< in the lattice
-  std::size_t cell;   ///< of the first design, in the tile's maps
-  std::size_t count;  ///< of designs
+  std::size_t tile;     ///< in the list of tiles
+  std::uint64_t scene;  ///< of the tile
+  Index3 first;         ///< in the box
+  std::size_t cell;     ///< of the first design, in the tile's maps
+  std::size_t count;    ///< of designs
 
   Row part(std::size_t begin, std::size_t end) const {
-    return {tile, {first[0], first[1], first[2] + begin}, cell + begin, end - begin};
+    return {tile, scene, {first[0], first[1], first[2] + begin}, cell + begin, end - begin};
   }
 };
 
-std::vector<Row> rows_of(const std::vector<NumberedTile>& tiles, const Lattice& lattice) {
+/// The rows of tiles, grouped by scene.
+std::vector<Row> rows_of(const std::vector<NumberedTile>& tiles, const Study& study) {
   std::vector<Row> rows;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
-    const auto& [first, count] = tiles[t].tile;
-    for (std::size_t k1 = 0; k1 < count[0]; ++k1)
+    const auto& [scene, block] = tiles[t].tile;
+    const auto& [first, count] = block;
+    const Lattice& lattice = study.lattice(scene);
+    const auto& r1 = lattice.r1_indices();
+    for (auto i1 = std::ranges::lower_bound(r1, first[0]);
+         i1 != r1.end() && *i1 < first[0] + count[0]; ++i1)
       for (std::size_t k3 = 0; k3 < count[1]; ++k3) {
-        const Index3 start{first[0] + k1, first[1] + k3, first[2]};
+        const Index3 start{*i1, first[1] + k3, first[2]};
         const std::size_t end = std::min(lattice.row_length(start[1]), first[2] + count[2]);
-        if (end > first[2])
-          rows.push_back({t, start, (k1 * count[1] + k3) * count[2], end - first[2]});
+        const std::size_t cell = ((*i1 - first[0]) * count[1] + k3) * count[2];
+        if (end > first[2]) rows.push_back({t, scene, start, cell, end - first[2]});
       }
   }
+  std::ranges::stable_sort(rows, {}, &Row::scene);
   return rows;
 }
 
-/// Designs to integrate together, and their results with the fields that a job needs.
+/// Designs of one scene to integrate together, and their results with the fields that a job needs.
 struct Slice {
   explicit Slice(const Job& job) : fields(fields_of(job)) {}
 
   Batch batch() { return {designs, swings, fields, values}; }
 
   /// Integrates the designs. Returns the number of lane steps.
-  std::uint64_t integrate(const Job& job) {
+  std::uint64_t integrate(const Scene& scene, const Solver& solver) {
     swings.resize(designs.size());
     values.resize(designs.size() * fields.size());
-    return trebsweep::integrate(job.scene, job.solver, batch()).lane_steps;
+    return trebsweep::integrate(scene, solver, batch()).lane_steps;
   }
 
   std::vector<Field> fields;
@@ -69,11 +76,13 @@ struct Slice {
 };
 
 /// Moves designs of the rows from `row` on, of which `taken` have been moved before, to an empty
-/// slice until it holds `count`. Returns their rows.
+/// slice until it holds `count` or the scene ends. Returns their rows.
 std::vector<Row> fill(Slice& slice, const std::vector<Row>& rows, std::size_t& row,
-                      std::size_t& taken, std::size_t count, const Lattice& lattice) {
+                      std::size_t& taken, std::size_t count, const Study& study) {
   std::vector<Row> parts;
-  while (row < rows.size() && slice.designs.size() < count) {
+  const std::uint64_t scene = rows[row].scene;
+  const Lattice& lattice = study.lattice(scene);
+  while (row < rows.size() && rows[row].scene == scene && slice.designs.size() < count) {
     const std::size_t end = std::min(taken + count - slice.designs.size(), rows[row].count);
     const Row& part = parts.emplace_back(rows[row].part(taken, end));
     for (std::size_t k = 0; k < part.count; ++k)
@@ -88,9 +97,9 @@ std::vector<Row> fill(Slice& slice, const std::vector<Row>& rows, std::size_t& r
 }
 
 /// Adds the results of a row and its designs' objectives to its tile.
-void store(const Job& job, const Lattice& lattice, const Batch& batch,
-           std::span<const double> objectives, const Row& row, ComputedTile& tile) {
-  const std::vector<Field>& fields = job.output.fields;
+void store(const Study& study, const Batch& batch, std::span<const double> objectives,
+           const Row& row, ComputedTile& tile) {
+  const std::vector<Field> fields = stored_fields(study.job().output);
   for (std::size_t f = 0; f < fields.size(); ++f) {
     double* const map = tile.maps[f].data() + row.cell;
     const bool flag = is_flag(fields[f]);
@@ -98,8 +107,7 @@ void store(const Job& job, const Lattice& lattice, const Batch& batch,
       map[k] = flag && std::isnan(value) ? 0 : value;
     });
   }
-  const Index3 extent = lattice.extent();
-  const std::size_t cell = (row.first[0] * extent[1] + row.first[1]) * extent[2] + row.first[2];
+  const std::uint64_t cell = study.cell(row.scene, row.first);
   for (std::size_t k = 0; k < row.count; ++k)
     tile.tally.add(batch.results[k], cell + k, objectives[k]);
 }
@@ -121,30 +129,32 @@ void share_lane_steps(std::uint64_t lane_steps, std::vector<ComputedTile>& tiles
 }  // namespace
 
 std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>& tiles,
-                                                 const Job& job, const Lattice& lattice,
+                                                 const Study& study,
                                                  const std::function<bool()>& stop) {
+  const Job& job = study.job();
   // Slices take at most about 0.2 s, since slow designs can take minutes per tile. Small ones stay
   // in the cache.
   constexpr std::uint64_t max_count = 4096;
   std::uint64_t lane_steps = 0, count = 16;
   std::vector<ComputedTile> computed(tiles.size());
   for (std::size_t t = 0; t < tiles.size(); ++t)
-    for (const Field field : job.output.fields)
-      computed[t].maps.emplace_back(tiles[t].tile.cells(), fill_value(field));
-  const std::vector<Row> rows = rows_of(tiles, lattice);
+    for (const Field field : stored_fields(job.output))
+      computed[t].maps.emplace_back(tiles[t].tile.block.cells(), fill_value(field));
+  const std::vector<Row> rows = rows_of(tiles, study);
   Slice slice(job);
   for (std::size_t row = 0, taken = 0; row < rows.size();) {
     if (stop()) return std::nullopt;
     slice.designs.clear();
-    const auto parts = fill(slice, rows, row, taken, count, lattice);
+    const auto parts = fill(slice, rows, row, taken, count, study);
+    const Scene scene = scene_at(job, parts.front().scene);
     const double start = MPI_Wtime();
-    lane_steps += slice.integrate(job);
+    lane_steps += slice.integrate(scene, job.solver);
     count = std::min(next_count(count, MPI_Wtime() - start, 0.2), max_count);
     const std::vector<double> values = objectives(slice.batch(), job);
     std::size_t n = 0;
     for (const Row& part : parts) {
-      store(job, lattice, slice.batch().slice(n, part.count),
-            std::span(values).subspan(n, part.count), part, computed[part.tile]);
+      store(study, slice.batch().slice(n, part.count), std::span(values).subspan(n, part.count),
+            part, computed[part.tile]);
       n += part.count;
     }
   }
@@ -152,22 +162,25 @@ std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>
   return computed;
 }
 
-double seconds_per_design(const Job& job, const Lattice& lattice,
-                          const std::function<bool()>& stop) {
-  const auto designs = sample(lattice, 128);
-  constexpr std::size_t part_size = 32;  // fills the lanes
-  constexpr double enough = 0.05;        // s
-  const std::size_t parts = (designs.size() + part_size - 1) / part_size;
-  const double start = MPI_Wtime();
+double seconds_per_design(const Study& study, const std::function<bool()>& stop) {
+  constexpr std::size_t parts = 4, part_size = 32;  // a part fills the lanes
+  constexpr double enough = 0.05;                   // s
+  const Job& job = study.job();
   double seconds = 0;
   std::size_t done = 0;
   Slice slice(job);
   for (std::size_t p = 0; p < parts && seconds < enough && !stop(); ++p) {
-    slice.designs.clear();  // every parts-th design, so that each part is representative
+    const std::uint64_t number = p * (study.scenes() - 1) / (parts - 1);
+    const Scene scene = scene_at(job, number);
+    const auto designs = sample(study.own_lattice(number), parts * part_size);
+    // Every parts-th design of a sample, so that each part is representative.
+    slice.designs.clear();
     for (std::size_t i = p; i < designs.size(); i += parts) slice.designs.push_back(designs[i]);
-    slice.integrate(job);
+    if (slice.designs.empty()) continue;
+    const double start = MPI_Wtime();
+    slice.integrate(scene, job.solver);
+    seconds += MPI_Wtime() - start;
     done += slice.designs.size();
-    seconds = MPI_Wtime() - start;
   }
   return done > 0 ? seconds / static_cast<double>(done) : 0;
 }

@@ -10,8 +10,8 @@
 namespace trebsweep {
 
 std::vector<TileRange> damaged_tiles(const std::filesystem::path& path,
-                                     const std::vector<MapInfo>& maps, const Tiling& tiling,
-                                     std::uint64_t done, Progress& progress,
+                                     const std::vector<MapInfo>& maps, const Study& study,
+                                     const Tiling& tiling, std::uint64_t done, Progress& progress,
                                      const std::function<bool()>& stop, MPI_Comm comm) {
   const std::uint64_t at_once = tiles_per_verification(maps, tiling);
   const auto rank = static_cast<std::uint64_t>(mpi::rank(comm));
@@ -20,7 +20,8 @@ std::vector<TileRange> damaged_tiles(const std::filesystem::path& path,
   mpi::on_all(comm, [&] {
     for (std::uint64_t first = rank * at_once; first < done && !stop(); first += ranks * at_once) {
       const TileRange tiles{first, std::min(first + at_once, done)};
-      for (const Damage& damage : find_damage(path, maps, tiling, tiles)) damaged[damage.tile] = 1;
+      for (const Damage& damage : find_damage(path, maps, study, tiling, tiles))
+        damaged[damage.tile] = 1;
       progress.update(std::min(first + ranks * at_once, done));
     }
   });

@@ -38,8 +38,8 @@ std::size_t candidates_around_worst(const Job& job, std::size_t spread) {
 }
 
 /// A box around an index that extends a fraction of the lattice to each side.
-Tile box_around(const Index3& centre, double fraction, const Lattice& lattice) {
-  Tile box{};
+Block box_around(const Index3& centre, double fraction, const Lattice& lattice) {
+  Block box{};
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t extent = lattice.extent()[d];
     const auto reach =
@@ -161,22 +161,20 @@ std::vector<Index3> most_sensitive(const Job& job, const Lattice& lattice,
 }
 
 /// The indices of the optimum and its neighbours, and of a design of each status.
-std::vector<Index3> notable_indices(const Summary& summary, const Lattice& lattice) {
+std::vector<Index3> notable_indices(const std::optional<Optimum>& optimum, const Summary& summary,
+                                    std::uint64_t scene, const Lattice& lattice) {
   std::vector<Index3> indices;
-  if (summary.optimum)
-    indices =
-        sample_box(lattice, box_around(lattice.index_of(summary.optimum->design), 0, lattice), 27);
-  for (const auto& design : summary.first_of_statuses) indices.push_back(lattice.index_of(design));
+  if (optimum)
+    indices = sample_box(lattice, box_around(lattice.index_of(optimum->design), 0, lattice), 27);
+  for (const auto& first : summary.first_of_statuses)
+    if (first.scene == scene) indices.push_back(lattice.index_of(first.design));
   return indices;
 }
 
-/// The errors of the checks with a speed, sorted.
-std::vector<double> sorted_errors(const std::vector<Check>& checks) {
-  std::vector<double> errors;
+/// Adds the errors of the checks with a speed to others.
+void add_errors(std::span<const Check> checks, std::vector<double>& errors) {
   for (const Check& c : checks)
     if (!std::isnan(c.error())) errors.push_back(c.error());
-  std::sort(errors.begin(), errors.end());
-  return errors;
 }
 
 /// The error of the optimum's speed, m/s; NaN if it is not among the checks or has no release.
@@ -197,10 +195,22 @@ double error_at_optimum(const Job& job, const Optimum& optimum, const std::vecto
 
 }  // namespace
 
-std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
-                                         const Summary& summary, const std::function<bool()>& stop,
-                                         MPI_Comm comm) {
-  const double deadline = MPI_Wtime() + std::max(1.0, 0.01 * summary.sweep_seconds);
+std::vector<std::uint64_t> scenes_to_check(const Study& study, const Summary& summary) {
+  constexpr std::uint64_t spread = 8;
+  std::set<std::uint64_t> scenes;
+  if (summary.optimum) scenes.insert(summary.optimum->scene);
+  for (const auto& first : summary.first_of_statuses) scenes.insert(first.scene);
+  for (std::uint64_t n = 0; n < spread; ++n) scenes.insert(n * (study.scenes() - 1) / (spread - 1));
+  return {scenes.begin(), scenes.end()};
+}
+
+std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
+                                       const std::optional<Optimum>& optimum,
+                                       const Summary& summary, double seconds,
+                                       const std::function<bool()>& stop, MPI_Comm comm) {
+  const Job job = job_at(study.job(), scene);
+  const Lattice& lattice = study.own_lattice(scene);
+  const double deadline = MPI_Wtime() + seconds;
   const auto stop_or_late = [&] { return stop() || MPI_Wtime() > deadline; };
   const double seconds_per_design =
       summary.integration_seconds /
@@ -209,6 +219,7 @@ std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
       static_cast<std::size_t>(std::clamp(0.01 / seconds_per_design, 16.0, 512.0));
   const Shares hurried{part_size, stop_or_late, comm}, patient{part_size, stop, comm};
   ErrorSample sample;
+  sample.scene = scene;
   std::set<Index3> checked;
   const auto add = [&](const std::vector<Index3>& indices, bool with_objective,
                        const Shares& shares) {
@@ -224,8 +235,9 @@ std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
   };
   const std::size_t spread = sample_size(lattice, job);
   add(sample_indices(lattice, spread), false, hurried);
-  const std::vector<double> even = sorted_errors(sample.checks);
-  add(notable_indices(summary, lattice), true, patient);  // few: measured however long they take
+  sample.spread = sample.checks.size();
+  // Few: measured however long they take.
+  add(notable_indices(optimum, summary, scene, lattice), true, patient);
   for (const double fraction : {1.0 / 8, 1.0 / 16}) {
     // fmax(NaN, x) is x.
     const auto worst = std::max_element(sample.checks.begin(), sample.checks.end(),
@@ -233,20 +245,32 @@ std::optional<ErrorSample> measure_error(const Job& job, const Lattice& lattice,
                                           return std::fmax(a.error(), 0) < std::fmax(b.error(), 0);
                                         });
     if (worst == sample.checks.end()) break;
-    const Tile box = box_around(lattice.index_of(worst->design), fraction, lattice);
+    const Block box = box_around(lattice.index_of(worst->design), fraction, lattice);
     std::vector<Index3> candidates = sample_box(lattice, box, candidates_around_worst(job, spread));
     std::erase_if(candidates, [&](const Index3& index) { return checked.contains(index); });
     add(most_sensitive(job, lattice, candidates, 16, hurried), false, hurried);
   }
-  const double at_optimum =
-      summary.optimum ? error_at_optimum(job, *summary.optimum, sample.checks, stop, comm) : nan;
+  if (optimum) sample.at_optimum = error_at_optimum(job, *optimum, sample.checks, stop, comm);
   if (mpi::max(stop() ? 1 : 0, comm) > 0) return std::nullopt;
-  if (const std::vector<double> all = sorted_errors(sample.checks); !all.empty())
-    sample.error = {.median = even.empty() ? nan : even[even.size() / 2],
-                    .largest = std::fmax(all.back(), at_optimum),
-                    .at_optimum = at_optimum,
-                    .designs = all.size()};
   return sample;
+}
+
+std::optional<MeasuredError> measured_error(std::span<const ErrorSample> samples,
+                                            std::uint64_t best) {
+  std::vector<double> spread, all;
+  double at_best = nan, largest = nan;
+  for (const ErrorSample& sample : samples) {
+    add_errors(std::span(sample.checks).first(sample.spread), spread);
+    add_errors(sample.checks, all);
+    largest = std::fmax(largest, sample.at_optimum);  // fmax(NaN, x) is x
+    if (sample.scene == best) at_best = sample.at_optimum;
+  }
+  if (all.empty()) return std::nullopt;
+  std::ranges::sort(spread);
+  return MeasuredError{.median = spread.empty() ? nan : spread[spread.size() / 2],
+                       .largest = std::fmax(largest, std::ranges::max(all)),
+                       .at_optimum = at_best,
+                       .designs = all.size()};
 }
 
 }  // namespace trebsweep

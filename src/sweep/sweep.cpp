@@ -14,6 +14,7 @@
 #include "trebsweep/sweep/compute.hpp"
 #include "trebsweep/sweep/damaged_tiles.hpp"
 #include "trebsweep/sweep/measured_error.hpp"
+#include "trebsweep/sweep/rounds.hpp"
 #include "trebsweep/sweep/schedule.hpp"
 #include "trebsweep/sweep/warnings.hpp"
 #include "trebsweep/swing/kernel.hpp"
@@ -23,9 +24,8 @@ namespace {
 
 /// What every stage of a sweep uses.
 struct Context {
-  const Job& job;
+  const Study& study;
   const SweepOptions& options;
-  const Lattice& lattice;
   std::string history;  ///< this run's line in the archive's history
   MPI_Comm comm;
 };
@@ -56,6 +56,7 @@ void check_kernels(MPI_Comm comm) {
 
 /// Takes the tiles of an existing partial archive, or chooses those of a new one. For rank 0 only.
 Start find_start(const Context& context, const OutputState& output) {
+  const Study& study = context.study;
   Start start;
   start.complete = output.complete;
   start.resumes = output.partial.has_value();
@@ -65,25 +66,39 @@ Start find_start(const Context& context, const OutputState& output) {
   } else if (context.options.tile_edge) {
     start.tile_edge = *context.options.tile_edge;
   } else if (!start.complete) {
-    start.design_seconds = seconds_per_design(context.job, context.lattice, context.options.stop);
-    start.tile_edge = tile_edge(context.lattice.extent(), start.design_seconds);
+    start.design_seconds = seconds_per_design(study, context.options.stop);
+    start.tile_edge =
+        tile_edge(study.extent(), study.scenes(), study.job().output.maps, start.design_seconds);
   }
   for (std::size_t d = 0; d < 3; ++d)
-    start.tile_edge[d] = std::min(start.tile_edge[d], context.lattice.extent()[d]);
+    start.tile_edge[d] = std::min(start.tile_edge[d], study.extent()[d]);
   return start;
 }
 
+/// The results of the tiles done by earlier runs, except those that are damaged.
+SweepResults earlier_results(const ArchiveContents& partial, const Study& study,
+                             const Tiling& tiling, const std::vector<TileRange>& damaged) {
+  partial.tally(damaged);  // checks them
+  SweepResults results{std::vector<Tally>(study.scenes()), partial.optima};
+  for (std::uint64_t t = 0; t < partial.tiles_done; ++t) {
+    const auto holds = [&](const TileRange& range) { return range.first <= t && t < range.end; };
+    if (std::ranges::none_of(damaged, holds))
+      results.tallies[tiling.tile(t).scene].add(to_tally(partial.tallies[t]));
+  }
+  return results;
+}
+
 /// Verifies the tiles done by earlier runs and prepares the partial archive for this run;
-/// collective. `to_compute` becomes the damaged tiles and those not done, and `tally`, on rank 0,
-/// that of the intact ones. Returns the id of this run.
+/// collective. `to_compute` becomes the damaged tiles and those not done, and `results`, on rank 0,
+/// those of the intact ones. Returns the id of this run.
 RunId resume(const Context& context, const OutputState& output, const std::filesystem::path& path,
              const Tiling& tiling, std::uint64_t tiles_done, std::vector<TileRange>& to_compute,
-             Tally& tally) {
+             SweepResults& results) {
   const std::filesystem::path partial = partial_path(path);
-  const auto maps = map_infos(context.job.output);
+  const auto maps = map_infos(context.study.job().output);
   require_visible(partial, context.comm);
   Progress progress(0, tiles_done, progress_style(context), "tiles verified");
-  const auto damaged = damaged_tiles(partial, maps, tiling, tiles_done, progress,
+  const auto damaged = damaged_tiles(partial, maps, context.study, tiling, tiles_done, progress,
                                      context.options.stop, context.comm);
   to_compute = damaged;
   to_compute.push_back({tiles_done, tiling.size()});
@@ -94,8 +109,8 @@ RunId resume(const Context& context, const OutputState& output, const std::files
                  "warning: of the {} tiles done, these are damaged and will be computed again: "
                  "{}\n",
                  tiles_done, to_text(damaged));
-    tally = output.partial->tally(damaged);
-    run_id = continue_partial(path, tiling, maps, to_compute, context.history);
+    results = earlier_results(*output.partial, context.study, tiling, damaged);
+    run_id = continue_partial(path, context.study, tiling, maps, to_compute, context.history);
   });
   return mpi::from_root(run_id, context.comm);
 }
@@ -106,8 +121,9 @@ RunId resume(const Context& context, const OutputState& output, const std::files
 bool verify_repairs(const Context& context, const std::filesystem::path& partial,
                     const Tiling& tiling) {
   Progress progress(0, tiling.size(), progress_style(context), "tiles verified");
-  const auto damaged = damaged_tiles(partial, map_infos(context.job.output), tiling, tiling.size(),
-                                     progress, context.options.stop, context.comm);
+  const auto damaged =
+      damaged_tiles(partial, map_infos(context.study.job().output), context.study, tiling,
+                    tiling.size(), progress, context.options.stop, context.comm);
   if (!damaged.empty())
     throw mpi::RootError(
         fmt::format("{}: damaged: of its tiles, these are not as they were written: {}; it cannot "
@@ -119,155 +135,100 @@ bool verify_repairs(const Context& context, const std::filesystem::path& partial
 /// Creates the partial archive; collective. Returns the id of this run, or nothing if stopped.
 std::optional<RunId> create(const Context& context, const std::filesystem::path& path,
                             const Tiling& tiling, const std::string& replaces) {
-  const Output& output = context.job.output;
-  const auto attributes = root_attributes(context.job, context.history, replaces);
-  const auto maps = map_infos(output);
+  const Job& job = context.study.job();
+  const auto attributes = root_attributes(job, context.history, replaces);
+  const auto maps = map_infos(job.output);
   Progress progress(0, tiling.size(), progress_style(context), "tiles created");
   const auto watch = [&](double share) {
     progress.update(static_cast<std::uint64_t>(share * static_cast<double>(tiling.size())));
     return context.options.stop();
   };
-  return create_partial(path, {context.lattice, tiling, maps, output.compression, attributes},
+  return create_partial(path, {context.study, tiling, maps, job.output.compression, attributes},
                         watch, context.comm);
 }
 
-/// Writes a round's tiles; collective. Ranks with fewer tiles than others take part without one.
-/// Returns the checksums of this rank's tiles, one per map.
-std::vector<std::vector<std::uint64_t>> write(
-    const std::vector<std::vector<NumberedTile>>& assigned, std::uint64_t rank,
-    const std::vector<ComputedTile>& computed, ArchiveWriter& archive) {
-  std::size_t writes = 0;
-  for (const auto& tiles : assigned) writes = std::max(writes, tiles.size());
-  std::vector<std::vector<std::uint64_t>> checksums;
-  for (std::size_t i = 0; i < writes; ++i) {
-    if (i < computed.size())
-      checksums.push_back(archive.write(assigned[rank][i].tile, computed[i].maps));
-    else
-      archive.write(std::nullopt, {});
-  }
-  return checksums;
+/// The tally of all scenes, which rank 0 has; collective.
+Tally total(const SweepResults& results, MPI_Comm comm) {
+  return mpi::from_root(results.total(), comm);
 }
 
-/// The tallies of the tiles of a round, on rank 0; collective.
-std::vector<TallyRow> gather_tallies(const std::vector<NumberedTile>& tiles,
-                                     const std::vector<ComputedTile>& computed,
-                                     const TileRange& round, MPI_Comm comm) {
-  std::vector<TallyRow> rows(round.end - round.first, TallyRow{});
-  for (std::size_t i = 0; i < tiles.size(); ++i)
-    rows[tiles[i].number - round.first] = to_row(computed[i].tally);
-  mpi::sum_on_root({rows.data()->data(), rows.size() * tally_columns.size()}, comm);
-  return rows;
-}
-
-/// The checksums of the tiles of a round, one per tile and map, on rank 0; collective.
-std::vector<std::uint64_t> gather_checksums(
-    const std::vector<NumberedTile>& tiles,
-    const std::vector<std::vector<std::uint64_t>>& checksums, const TileRange& round,
-    std::size_t maps, MPI_Comm comm) {
-  std::vector<std::uint64_t> rows((round.end - round.first) * maps, 0);
-  for (std::size_t i = 0; i < tiles.size(); ++i)
-    std::copy(checksums[i].begin(), checksums[i].end(),
-              rows.begin() + static_cast<std::ptrdiff_t>((tiles[i].number - round.first) * maps));
-  mpi::sum_on_root(rows, comm);
-  return rows;
-}
-
-/// The optimum near that of the lattice, found on rank 0; collective.
-std::optional<RefinedOptimum> refined(const Context& context, const Summary& summary) {
-  if (!context.job.optimum.refine || !summary.optimum) return std::nullopt;
+/// The optimum between the designs of the lattice: of a study that of the best scene, otherwise
+/// found now on rank 0. Collective.
+std::optional<RefinedOptimum> refined(const Context& context, const Summary& summary,
+                                      const SweepResults& results) {
+  const Job& job = context.study.job();
+  if (!job.optimum.refine || !summary.optimum) return std::nullopt;
   std::optional<RefinedOptimum> found;
-  mpi::on_root(context.comm,
-               [&] { found = context.options.refine(context.job, summary.optimum->design); });
+  mpi::on_root(context.comm, [&] {
+    found = is_study(job) ? best_refined(job, results.optima)
+                          : context.options.refine(job, summary.optimum->design);
+  });
   return mpi::from_root(found, context.comm);
 }
 
-/// Computes tiles in rounds. Each round ends with a checkpoint: maps, tallies and checksums are
-/// written and flushed, then the tiles are marked done and the marks flushed. A killed run
-/// therefore loses at most the round in progress. Collective; ends early if any rank is stopped.
-/// `design_seconds` is the time to integrate a design, or 0 if it is unknown; `start_time` is
-/// MPI_Wtime() at the start of the sweep. `tally` has the designs of earlier runs on rank 0, and
-/// gains those that this rank computes. Returns whether all tiles were computed.
-bool run_rounds(const Context& context, const Tiling& tiling, std::vector<TileRange> to_compute,
-                double design_seconds, const RunId& run_id, double start_time,
-                const std::filesystem::path& partial, ArchiveWriter& archive, Tally& tally) {
-  const Job& job = context.job;
-  const Lattice& lattice = context.lattice;
-  const MPI_Comm comm = context.comm;
-  const auto rank = static_cast<std::uint64_t>(mpi::rank(comm));
-  const auto ranks = static_cast<std::uint64_t>(mpi::size(comm));
-  std::uint64_t designs_done = tally.designs();  // correct on rank 0, which reports it
-  Progress progress(designs_done, lattice.designs(), progress_style(context));
-  const auto& [n1, n3, n2] = tiling.edge();
-  const std::size_t maps = job.output.fields.size();
-  const std::size_t bytes_per_tile = n1 * n3 * n2 * maps * sizeof(double);
-  const double tile_seconds =
-      design_seconds * static_cast<double>(lattice.designs()) / static_cast<double>(tiling.size());
-  std::uint64_t tiles_per_rank = first_tiles_per_rank(tile_seconds, bytes_per_tile);
-  double counted = start_time;  // tallies include the time up to here
-  auto range = to_compute.begin();
-  while (range != to_compute.end()) {
-    if (range->first == range->end) {
-      ++range;
-      continue;
-    }
-    const std::uint64_t most = tiles_per_rank * ranks;
-    const TileRange round{range->first, std::min(range->first + most, range->end)};
-    const auto assigned = assign_tiles(round, ranks, lattice, tiling);
-    const double round_start = MPI_Wtime();
-    auto computed = compute(assigned[rank], job, lattice, context.options.stop);
-    const double round_seconds = mpi::max(MPI_Wtime() - round_start, comm);
-    const bool all_computed = mpi::max(computed ? 0 : 1, comm) == 0;
-    if (!all_computed) break;
-
-    if (rank == 0) check_run_id(run_id, partial);
-    const auto checksums = write(assigned, rank, *computed, archive);
-    for (std::size_t i = 0; i < computed->size(); ++i) {
-      Tally& tile_tally = (*computed)[i].tally;
-      if (assigned[rank][i].number == round.first) {  // one tile carries the times of the round
-        tile_tally.integration_seconds = round_seconds;
-        tile_tally.sweep_seconds = MPI_Wtime() - counted;
-      }
-      tally.add(tile_tally);
-    }
-    counted = MPI_Wtime();
-    archive.checkpoint(round.first, gather_tallies(assigned[rank], *computed, round, comm),
-                       gather_checksums(assigned[rank], checksums, round, maps, comm));
-    for (std::uint64_t t = round.first; t < round.end; ++t)
-      designs_done += lattice.designs_in(tiling.tile(t));
-    progress.update(designs_done);
-    if (round.end - round.first == most)
-      tiles_per_rank = next_tiles_per_rank(tiles_per_rank, round_seconds, bytes_per_tile);
-    range->first = round.end;
+/// Checks designs of some of the scenes; collective. Returns nothing if any rank was stopped.
+std::optional<std::vector<ErrorSample>> check_scenes(const Context& context, const Summary& summary,
+                                                     const SweepResults& results) {
+  const Study& study = context.study;
+  const auto scenes = scenes_to_check(study, summary);
+  const double seconds =
+      std::max(1.0, 0.01 * summary.sweep_seconds / static_cast<double>(scenes.size()));
+  std::vector<ErrorSample> samples;
+  for (const std::uint64_t scene : scenes) {
+    Tally tally;
+    if (mpi::rank(context.comm) == 0) tally = results.tallies[scene];
+    const auto optimum = to_summary(mpi::from_root(tally, context.comm), study).optimum;
+    auto sample =
+        check_scene(study, scene, optimum, summary, seconds, context.options.stop, context.comm);
+    if (!sample) return std::nullopt;
+    samples.push_back(std::move(*sample));
   }
-  if (rank == 0) tally.sweep_seconds += MPI_Wtime() - counted;
-  return range == to_compute.end();
+  return samples;
+}
+
+/// Adds to the summary of a complete sweep what is known after its last round. Collective; returns
+/// false if any rank was stopped.
+bool conclude(const Context& context, const SweepResults& results, Summary& summary) {
+  std::vector<ErrorSample> samples;
+  if (context.study.job().solver.check) {
+    auto checked = check_scenes(context, summary, results);
+    if (!checked) return false;
+    samples = std::move(*checked);
+  }
+  summary.error = measured_error(samples, summary.optimum ? summary.optimum->scene : 0);
+  summary.refined = refined(context, summary, results);
+  summary.optima = results.optima;
+  summary.warnings = warnings(context.study, summary, results.tallies, samples);
+  return true;
 }
 
 }  // namespace
 
 std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Comm comm) {
   const double start_time = MPI_Wtime();
-  const Lattice lattice(job.scene, job.lattice);
+  const Study study(job);
   check_kernels(comm);
   const auto ranks = static_cast<std::uint64_t>(mpi::size(comm));
-  const Context context{job, options, lattice, history_line(options.command, ranks), comm};
+  const Context context{study, options, history_line(options.command, ranks), comm};
 
-  OutputState output;  // on rank 0 only; holds the archive's lock
-  Tally tally;         // of this rank's designs, and on rank 0 of those of earlier runs
+  OutputState output;    // on rank 0 only; holds the archive's lock
+  SweepResults results;  // on rank 0 only
   Start start;
   const std::filesystem::path path = mpi::text_of_root(comm, [&] {
     output = open_or_resume(job, options.overwrite);
     start = find_start(context, output);
+    results.tallies.resize(study.scenes());
+    if (is_study(job)) results.optima.resize(study.scenes());
     return output.path.string();
   });
   start = mpi::from_root(start, comm);
   if (start.complete) return std::nullopt;
 
-  const Tiling tiling(lattice, start.tile_edge);
+  const Tiling tiling(study, start.tile_edge);
   std::vector<TileRange> to_compute{{0, tiling.size()}};
   std::optional<RunId> run_id;
   if (start.resumes)
-    run_id = resume(context, output, path, tiling, start.tiles_done, to_compute, tally);
+    run_id = resume(context, output, path, tiling, start.tiles_done, to_compute, results);
   else
     run_id = create(context, path, tiling, output.replaces);
   if (!run_id) {
@@ -279,27 +240,27 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
 
   const std::filesystem::path partial = partial_path(path);
   require_visible(partial, comm);
-  ArchiveWriter archive(path, map_infos(job.output), comm);
-  const bool complete = run_rounds(context, tiling, to_compute, start.design_seconds, *run_id,
-                                   start_time, partial, archive, tally);
+  ArchiveWriter archive(path, map_infos(job.output), study, comm);
+  const bool repairs = to_compute.front().first < start.tiles_done;
+  const RoundContext rounds{.study = study,
+                            .tiling = tiling,
+                            .partial = partial,
+                            .run_id = *run_id,
+                            .design_seconds = start.design_seconds,
+                            .start_time = start_time,
+                            .progress = progress_style(context),
+                            .refine = options.refine,
+                            .stop = options.stop,
+                            .comm = comm};
+  const bool computed = run_rounds(rounds, to_compute, archive, results);
 
-  Summary summary = combine(tally, lattice, comm);
+  Summary summary = to_summary(total(results, comm), study);
   // A stop may have left tiles of earlier runs unverified.
-  summary.complete = complete && mpi::max(options.stop() ? 1 : 0, comm) == 0;
-  if (summary.complete) {
-    std::optional<ErrorSample> sample = ErrorSample{};
-    if (job.solver.check) sample = measure_error(job, lattice, summary, options.stop, comm);
-    summary.complete = sample.has_value();
-    if (sample) {
-      summary.error = sample->error;
-      summary.refined = refined(context, summary);
-      summary.warnings = warnings(job, lattice, summary, sample->checks);
-      archive.write(result_attributes(summary));
-    }
-  }
+  summary.complete = computed && mpi::max(options.stop() ? 1 : 0, comm) == 0 &&
+                     conclude(context, results, summary);
+  if (summary.complete) archive.write(result_attributes(summary));
   archive.close();
-  const bool repaired = to_compute.front().first < start.tiles_done;
-  if (summary.complete && repaired) summary.complete = verify_repairs(context, partial, tiling);
+  if (summary.complete && repairs) summary.complete = verify_repairs(context, partial, tiling);
   if (summary.complete) mpi::on_root(comm, [&] { finish_partial(path, *run_id, output.replaces); });
   return summary;
 }

@@ -16,9 +16,11 @@ std::string text_of(const Design<double>& d) {
   return fmt::format("r1 = {}, r2 = {}, r3 = {} m", d.r1, d.r2, d.r3);
 }
 
-/// The bounds that the design at an index touches, as "r1 = 0.51 m, the smallest allowed by h - h0
+/// The bounds that a design of the lattice touches, as "r1 = 0.51 m, the smallest allowed by h - h0
 /// < r1 (47)". An axis with a single value has none.
-std::vector<std::string> bounds_at(const Index3& index, const Job& job, const Lattice& lattice) {
+std::vector<std::string> bounds_at(const Design<double>& design, const Job& job,
+                                   const Lattice& lattice) {
+  const Index3 index = lattice.index_of(design);
   struct Axis {
     const char* name;
     const std::optional<AxisRange>& range;  ///< from the job
@@ -116,25 +118,93 @@ std::string slack_warning(std::span<const Check> checks, double best_value, Fiel
       slack, std::count_if(checks.begin(), checks.end(), is_best), info(objective).name);
 }
 
+/// The edges of a lattice that a design may lie on.
+constexpr std::array edge_names{"the smallest r1", "the largest r1",  "the smallest r3",
+                                "the largest r3",  "the smallest r2", "the largest r2"};
+
+/// Which of these edges the design at an index lies on. An axis with a single value has none.
+std::array<bool, 6> edges_at(const Lattice& lattice, const Index3& index) {
+  const auto& [i1, i3, i2] = index;
+  const auto& r1 = lattice.r1_indices();
+  const bool first_r1 = i1 == r1.front(), last_r1 = i1 == r1.back();
+  const bool last_row = i3 + 1 == lattice.extent()[1] || lattice.row_length(i3 + 1) == 0;
+  const bool last_r2 = i2 + 1 == lattice.row_length(i3);
+  return {first_r1 && !last_r1, last_r1 && !first_r1, i3 == 0 && !last_row,
+          last_row && i3 != 0,  i2 == 0 && !last_r2,  last_r2 && i2 != 0};
+}
+
+/// In how many scenes the optimum of the lattice lies on which edge; empty if on none.
+std::string edges_text(const Study& study, std::span<const Tally> tallies) {
+  std::array<std::uint64_t, edge_names.size()> counts{};
+  std::uint64_t scenes = 0;
+  for (std::uint64_t scene = 0; scene < tallies.size(); ++scene) {
+    const std::uint64_t cell = tallies[scene].best_cell;
+    if (cell == no_cell) continue;
+    const Lattice& lattice = study.lattice(scene);
+    const auto edges = edges_at(lattice, lattice.index_of(study.design(cell).second));
+    for (std::size_t e = 0; e < edges.size(); ++e) counts[e] += edges[e];
+    scenes += std::ranges::count(edges, true) > 0;
+  }
+  if (scenes == 0) return "";
+  std::vector<std::string> parts;
+  for (std::size_t e = 0; e < counts.size(); ++e)
+    if (counts[e] > 0) parts.push_back(fmt::format("{} in {}", edge_names[e], counts[e]));
+  return fmt::format("the optimum of {} of {} scenes lies on the edge of the lattice: {}", scenes,
+                     study.scenes(), fmt::join(parts, ", "));
+}
+
 }  // namespace
 
-std::vector<std::string> warnings(const Job& job, const Lattice& lattice, const Summary& summary,
+std::vector<std::string> warnings(const Job& job, const Lattice& lattice,
+                                  const std::optional<Optimum>& optimum,
+                                  const std::optional<MeasuredError>& error,
                                   std::span<const Check> checks) {
   std::vector<std::string> lines;
   const auto add = [&](const std::string& line) {
     if (!line.empty()) lines.push_back(line);
   };
-  const auto& optimum = summary.optimum;
-  if (optimum)
-    if (const auto bounds = bounds_at(lattice.index_of(optimum->design), job, lattice);
-        !bounds.empty())
+  if (optimum && !job.optimum.refine)  // else the search goes beyond the edge
+    if (const auto bounds = bounds_at(optimum->design, job, lattice); !bounds.empty())
       add(fmt::format("the optimum lies on the edge of the lattice: {}", fmt::join(bounds, "; ")));
   add(status_warning(checks, job.solver));
   const double largest = largest_speed(optimum, checks);
   add(efficiency_warning(checks, largest));
-  if (summary.error) add(speed_warning(*summary.error, largest, job.solver));
+  if (error) add(speed_warning(*error, largest, job.solver));
   if (optimum && job.output.optimum_filter == OptimumFilter::all && job.scene.sling_stiffness == 0)
     add(slack_warning(checks, optimum->value, job.optimum.objective));
+  return lines;
+}
+
+std::vector<std::string> warnings(const Study& study, const Summary& summary,
+                                  std::span<const Tally> tallies,
+                                  std::span<const ErrorSample> samples) {
+  const Job& job = study.job();
+  const std::uint64_t best = summary.optimum ? summary.optimum->scene : 0;
+  const auto sample = std::ranges::find(samples, best, &ErrorSample::scene);
+  const std::span<const Check> checks =
+      sample == samples.end() ? std::span<const Check>() : std::span(sample->checks);
+  std::vector<std::string> lines =
+      warnings(job_at(job, best), study.own_lattice(best), summary.optimum, summary.error, checks);
+  if (!is_study(job)) return lines;
+
+  for (std::string& line : lines)
+    line = fmt::format("the best scene, {}: {}", outer_values_text(job, best), line);
+  std::string example;
+  std::uint64_t scenes = 0;
+  for (const ErrorSample& other : samples) {
+    if (other.scene == best) continue;
+    const auto of_scene =
+        warnings(job_at(job, other.scene), study.own_lattice(other.scene), std::nullopt,
+                 measured_error({&other, 1}, other.scene), other.checks);
+    if (of_scene.empty()) continue;
+    ++scenes;
+    example = fmt::format("{}: {}", outer_values_text(job, other.scene), of_scene.front());
+  }
+  if (scenes > 0)
+    lines.push_back(fmt::format("{} of {} other scenes checked have warnings, such as that with {}",
+                                scenes, samples.size() - 1, example));
+  if (const std::string edges = edges_text(study, tallies); !edges.empty() && !job.optimum.refine)
+    lines.push_back(edges);
   return lines;
 }
 

@@ -8,73 +8,157 @@
 
 using namespace trebsweep;
 
-TEST_CASE("On any number of ranks every value is stored in its cell, in all formats of a map") {
-  const SmallLattice small;
-  const Lattice& lattice = small.lattice;
-  for (const int compression : {0, 4})
-    for (const MapType type : {MapType::float64, MapType::float32}) {
-      const TemporaryFile file("archive");
-      ArchiveWriter archive = create_archive(file.path(), small, two_maps(type), compression);
-      write_all(archive, small);
-      archive.write({{"best_speed", 17.5}});
-      CHECK_FALSE(std::filesystem::exists(file.path()));
-      close(archive, file.path());
-      CHECK_FALSE(std::filesystem::exists(partial_path(file.path())));
+namespace {
 
-      if (mpi::rank(MPI_COMM_WORLD) == 0) {
+/// The number of chunks of a map that are allocated in the file.
+hsize_t allocated_chunks(const std::filesystem::path& path, const std::string& map) {
+  const hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  const hdf5::Dataset dataset = hdf5::open_dataset(file, map);
+  const hdf5::Dataspace space(H5Dget_space(dataset), "count chunks");
+  hsize_t chunks = 0;
+  hdf5::check(H5Dget_num_chunks(dataset, space, &chunks), "count chunks");
+  return chunks;
+}
+
+/// Whether two optima are the same bit for bit.
+bool is_same(const SceneOptimum& a, const SceneOptimum& b) { return checksum(a) == checksum(b); }
+
+/// Checks every value of the maps of an archive.
+void check_maps(const std::filesystem::path& path, const Study& study) {
+  const auto numbers = read_map(path, "number"), flags = read_map(path, "flag");
+  REQUIRE(numbers.size() == study.cells());
+  const Index3 n = study.extent();
+  std::size_t cell = 0;
+  for (std::uint64_t scene = 0; scene < study.scenes(); ++scene)
+    for (std::size_t a = 0; a < n[0]; ++a)
+      for (std::size_t b = 0; b < n[1]; ++b)
+        for (std::size_t c = 0; c < n[2]; ++c, ++cell) {
+          const bool holds = study.lattice(scene).holds({a, b, c});
+          REQUIRE(
+              (holds ? numbers[cell] == value_of(scene, {a, b, c}) : std::isnan(numbers[cell])));
+          REQUIRE(flags[cell] == (holds ? 2 : 0));
+        }
+}
+
+}  // namespace
+
+TEST_CASE("On any number of ranks every value is stored in its cell, in all formats of a map") {
+  for (const SmallStudy& small : small_studies())
+    for (const int compression : {0, 4})
+      for (const MapType type : {MapType::float64, MapType::float32}) {
+        const TemporaryFile file("archive");
+        ArchiveWriter archive = create_archive(file.path(), small, two_maps(type), compression);
+        write_all(archive, small);
+        archive.write({{"best_speed", 17.5}});
+        CHECK_FALSE(std::filesystem::exists(file.path()));
+        close(archive, file.path());
+        CHECK_FALSE(std::filesystem::exists(partial_path(file.path())));
+        if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
         const auto header = read_archive_header(file.path());
         REQUIRE(header);
         CHECK(header->job == "some text");
         CHECK(header->is_sweep);
-        const auto numbers = read_map(file.path(), "number"), flags = read_map(file.path(), "flag");
-        const Index3 n = lattice.extent();
-        std::size_t cell = 0;
-        for (std::size_t a = 0; a < n[0]; ++a)
-          for (std::size_t b = 0; b < n[1]; ++b)
-            for (std::size_t c = 0; c < n[2]; ++c, ++cell) {
-              const bool inside = lattice.holds({a, b, c});
-              REQUIRE((inside ? numbers[cell] == value_of({a, b, c}) : std::isnan(numbers[cell])));
-              REQUIRE(flags[cell] == (inside ? 2 : 0));
-            }
-        const auto done = read_map(file.path(), "tile_done");
-        CHECK(done == std::vector<double>(small.tiling.size(), 1));
-        CHECK(read_map(file.path(), "r3") == lattice.axes()[1]);
+        CHECK(header->complete());
+        CHECK(header->tiles == small.tiling.size());
+        CHECK(read_map(file.path(), "r3") == small.study.axes()[1]);
+        check_maps(file.path(), small.study);
       }
-    }
+}
+
+TEST_CASE("The optima of a study's scenes are stored over the outer axes, with or without maps") {
+  const SmallStudy small(job_of_six_scenes());
+  const std::vector<hsize_t> outer{3, 2};
+  for (const auto& maps : {two_maps(MapType::float64), std::vector<MapInfo>{}}) {
+    const TemporaryFile file("archive_optima");
+    ArchiveWriter archive = create_archive(file.path(), small, maps, 0);
+    write_all(archive, small, maps.size());
+    close(archive, file.path());
+    if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+    CHECK(read_map(file.path(), "projectile_mass") == std::vector<double>{50, 75, 100});
+    CHECK(read_map(file.path(), "fulcrum_height") == std::vector{1.5, 1.7});
+    CHECK(read_map(file.path(), "best_r3")[3] == optimum_of(3).r3);
+    const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+    const auto optima = read_optima(opened, outer, 0, 6);
+    REQUIRE(optima.size() == 6);
+    for (std::uint64_t scene = 0; scene < 6; ++scene)
+      CHECK(is_same(optima[scene], optimum_of(scene)));
+    CHECK_FALSE(optima[2].exists());
+    CHECK_THROWS_WITH(read_optima(opened, {2, 3}, 0, 6), contains("extent of best_value"));
+    CHECK(H5Lexists(opened, "number", H5P_DEFAULT) == (maps.empty() ? 0 : 1));
+  }
+}
+
+TEST_CASE("Several scenes' optima are written at once") {
+  const SmallStudy small(job_of_six_scenes());
+  const TemporaryFile file("archive_some_optima");
+  ArchiveWriter archive = create_archive(file.path(), small, {}, 0);
+  archive.write_optima(1, std::vector{optimum_of(1), optimum_of(3), optimum_of(4)});
+  archive.write_optima(5, {});
+  close(archive, file.path());
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  const auto optima = read_optima(opened, {3, 2}, 0, 6);
+  for (const std::uint64_t scene : {0, 4, 5}) CHECK_FALSE(optima[scene].exists());
+  CHECK(is_same(optima[1], optimum_of(1)));
+  CHECK(is_same(optima[2], optimum_of(3)));
+  CHECK(is_same(optima[3], optimum_of(4)));
+}
+
+TEST_CASE("Axes and optima of a study have units and descriptions, an archive of one scene none") {
+  Job job = job_of_six_scenes();
+  job.optimum.objective = Field::range;
+  const TemporaryFile study("archive_of_study"), single("archive_of_scene");
+  for (const auto& [file, of] : {std::pair{&study, job}, {&single, job_of_one_scene()}}) {
+    const SmallStudy small(of);
+    ArchiveWriter archive = create_archive(file->path(), small, {}, 0);
+    close(archive, file->path());
+  }
+  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const hdf5::File file(H5Fopen(study.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  const auto attribute = [&](const char* dataset, const char* name) {
+    return hdf5::read_text_attribute(hdf5::open_dataset(file, dataset), name);
+  };
+  CHECK(attribute("projectile_mass", "units") == "kg");
+  CHECK(attribute("projectile_mass", "long_name") == "mass m3 of the projectile");
+  CHECK(attribute("best_value", "units") == "m");
+  CHECK_THAT(attribute("best_value", "long_name"), contains("horizontal distance"));
+  CHECK(attribute("best_speed", "units") == "m s-1");
+  CHECK(attribute("best_release_time", "units") == "s");
+  CHECK(attribute("best_r1", "units") == "m");
+  CHECK(attribute("best_error", "units") == "m");
+  const hdf5::File other(H5Fopen(single.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
+  CHECK(H5Lexists(other, "best_value", H5P_DEFAULT) == 0);
 }
 
 TEST_CASE("Tiles that were not written hold fill values and are not marked done") {
-  const SmallLattice small;
-  for (const int compression : {0, 1})
-    for (const MapType type : {MapType::float64, MapType::float32}) {
-      const TemporaryFile file("archive_empty");
-      ArchiveWriter archive = create_archive(file.path(), small, two_maps(type), compression);
-      close(archive, file.path());
-      if (mpi::rank(MPI_COMM_WORLD) == 0) {
-        for (const double x : read_map(file.path(), "number")) REQUIRE(std::isnan(x));
-        for (const double x : read_map(file.path(), "flag")) REQUIRE(x == 0);
-        CHECK(read_map(file.path(), "tile_done") == std::vector<double>(small.tiling.size(), 0));
+  for (const SmallStudy& small : small_studies())
+    for (const int compression : {0, 1})
+      for (const MapType type : {MapType::float64, MapType::float32}) {
+        const TemporaryFile file("archive_empty");
+        ArchiveWriter archive = create_archive(file.path(), small, two_maps(type), compression);
+        close(archive, file.path());
+        if (mpi::rank(MPI_COMM_WORLD) == 0) {
+          for (const double x : read_map(file.path(), "number")) REQUIRE(std::isnan(x));
+          for (const double x : read_map(file.path(), "flag")) REQUIRE(x == 0);
+          CHECK(read_map(file.path(), "tile_done") == std::vector<double>(small.tiling.size(), 0));
+        }
       }
-    }
 }
 
 TEST_CASE("Chunks entirely outside the lattice are never allocated") {
-  const SmallLattice small;
-  for (const int compression : {0, 1}) {
-    const TemporaryFile file("archive_chunks");
-    ArchiveWriter archive =
-        create_archive(file.path(), small, two_maps(MapType::float64), compression);
-    write_all(archive, small);
-    close(archive, file.path());
-    if (mpi::rank(MPI_COMM_WORLD) == 0) {
-      const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
-      const hdf5::Dataset map = hdf5::open_dataset(opened, "number");
-      hsize_t chunks = 0;
-      const hdf5::Dataspace space(H5Dget_space(map), "count chunks");
-      hdf5::check(H5Dget_num_chunks(map, space, &chunks), "count chunks");
-      CHECK(chunks == small.tiling.size());
-      const Index3 n = small.lattice.extent();
-      CHECK(chunks < ((n[0] + 3) / 4) * ((n[1] + 2) / 3) * ((n[2] + 4) / 5));
+  for (const SmallStudy& small : small_studies())
+    for (const int compression : {0, 1}) {
+      const TemporaryFile file("archive_chunks");
+      ArchiveWriter archive =
+          create_archive(file.path(), small, two_maps(MapType::float64), compression);
+      write_all(archive, small);
+      close(archive, file.path());
+      if (mpi::rank(MPI_COMM_WORLD) == 0) {
+        const hsize_t chunks = allocated_chunks(file.path(), "number");
+        CHECK(chunks == small.tiling.size());
+        const Index3 n = small.study.extent();
+        CHECK(chunks <
+              small.study.scenes() * ((n[0] + 3) / 4) * ((n[1] + 2) / 3) * ((n[2] + 4) / 5));
+      }
     }
-  }
 }

@@ -7,6 +7,7 @@
 #include "support/small_archive.hpp"
 #include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/archive/verify.hpp"
+#include "trebsweep/base/error.hpp"
 
 using namespace trebsweep;
 
@@ -24,7 +25,7 @@ void fill_with_garbage(const std::filesystem::path& path, const std::vector<MapI
       haddr_t address = 0;
       hsize_t size = 0;
       unsigned mask = 0;
-      std::array<hsize_t, 3> first;
+      std::array<hsize_t, H5S_MAX_RANK> first;
       hdf5::check(H5Dget_chunk_info(map, space, chunk, first.data(), &mask, &address, &size),
                   "find a chunk");
       raw.seekp(static_cast<std::streamoff>(address));
@@ -46,11 +47,10 @@ void write_superblock(const std::filesystem::path& path, const std::string& byte
 }
 
 /// Creates a partial file without maps, on one rank.
-RunId create_without_maps(const std::filesystem::path& path, const SmallLattice& small,
+RunId create_without_maps(const std::filesystem::path& path, const SmallStudy& small,
                           const std::string& history = "") {
-  const auto run_id =
-      create_partial(path, {small.lattice, small.tiling, {}, 0, {{"history", history}}}, never_stop,
-                     MPI_COMM_SELF);
+  const auto run_id = create_partial(
+      path, {small.study, small.tiling, {}, 0, {{"history", history}}}, never_stop, MPI_COMM_SELF);
   REQUIRE(run_id);
   return *run_id;
 }
@@ -58,30 +58,51 @@ RunId create_without_maps(const std::filesystem::path& path, const SmallLattice&
 }  // namespace
 
 TEST_CASE("The size of an archive is known before it is created") {
-  const SmallLattice small;
+  const std::vector<MapInfo> none;
+  const auto two = two_maps(MapType::float64);
+  for (const SmallStudy& small : small_studies())
+    for (const auto* maps : {&two, &none})
+      for (const int compression : {0, 1}) {
+        const Skeleton skeleton{small.study, small.tiling, *maps, compression, {}};
+        const TemporaryFile file("archive_size");
+        create_partial(file.path(), skeleton, never_stop, MPI_COMM_WORLD);
+        const auto size =
+            static_cast<double>(std::filesystem::file_size(partial_path(file.path())));
+        const auto minimum = static_cast<double>(minimum_size(skeleton));
+        const double metadata = 40000;  // bytes, whatever the size of the lattice
+        CHECK(minimum <= size);
+        CHECK(1.02 * minimum + metadata >= size);
+      }
+}
+
+TEST_CASE("An archive larger than the free space of the disk is refused before it is created") {
+  Job job;
+  job.output.file = "a.h5";
+  job.lattice.increment = 1.3e-4;  // 3e11 designs
+  const Study study(job);
+  const Tiling tiling(study, {64, 64, 64});
   const auto maps = two_maps(MapType::float64);
-  const Skeleton uncompressed{small.lattice, small.tiling, maps, 0, {}},
-      compressed{small.lattice, small.tiling, maps, 1, {}};
-  for (const Skeleton& skeleton : {uncompressed, compressed}) {
-    const TemporaryFile file("archive_size");
-    create_partial(file.path(), skeleton, never_stop, MPI_COMM_WORLD);
-    const auto size = static_cast<double>(std::filesystem::file_size(partial_path(file.path())));
-    constexpr double metadata = 20000;  // bytes, whatever the size of the lattice
-    const auto minimum = static_cast<double>(minimum_size(skeleton));
-    CHECK(minimum <= size);
-    CHECK(1.02 * minimum + metadata >= size);
-  }
+  const TemporaryFile file("archive_too_large");
+  const auto create = [&] {
+    create_partial(file.path(), {study, tiling, maps, 0, {}}, never_stop, MPI_COMM_WORLD);
+  };
+  CHECK_THROWS_AS(create(), InputError);
+  CHECK_THROWS_WITH(create(), contains("output.file = a.h5: needs at least ") &&
+                                  contains(" GB (") && contains("are available in") &&
+                                  contains("output.maps = none"));
+  CHECK_FALSE(std::filesystem::exists(partial_path(file.path())));
+  CHECK_FALSE(std::filesystem::exists(new_path(file.path())));
 }
 
 TEST_CASE("An archive that cannot be created is an error that names the cause") {
-  const SmallLattice small;
-  CHECK_THROWS_WITH(create_partial("/nowhere/a.h5", {small.lattice, small.tiling, {}, 0, {}},
+  const SmallStudy small;
+  CHECK_THROWS_WITH(create_partial("/nowhere/a.h5", {small.study, small.tiling, {}, 0, {}},
                                    never_stop, MPI_COMM_WORLD),
                     contains("cannot create /nowhere/a.h5.partial") && contains("No such file"));
 }
 
 TEST_CASE("A stop on any rank ends the creation of a partial file and leaves no file behind") {
-  const SmallLattice small;
+  const SmallStudy small;
   const int last = mpi::size(MPI_COMM_WORLD) - 1;
   for (const double limit : {0.0, 0.05, 0.1}) {
     const TemporaryFile file("archive_stopped");
@@ -89,8 +110,8 @@ TEST_CASE("A stop on any rank ends the creation of a partial file and leaves no 
       return mpi::rank(MPI_COMM_WORLD) == (limit < 0.1 ? 0 : last) && fraction >= limit;
     };
     CHECK_FALSE(create_partial(file.path(),
-                               {small.lattice, small.tiling, two_maps(MapType::float64), 0, {}},
-                               stop, MPI_COMM_WORLD));
+                               {small.study, small.tiling, two_maps(MapType::float64), 0, {}}, stop,
+                               MPI_COMM_WORLD));
     MPI_Barrier(MPI_COMM_WORLD);
     for (const auto& entry : std::filesystem::directory_iterator(file.path().parent_path()))
       CHECK(entry.path().string().find("archive_stopped") == std::string::npos);
@@ -98,77 +119,86 @@ TEST_CASE("A stop on any rank ends the creation of a partial file and leaves no 
 }
 
 TEST_CASE("Arbitrary bytes in chunks that are not done do not affect a resumed sweep") {
-  const SmallLattice small;
-  const TemporaryFile file("archive_garbage");
-  const auto maps = two_maps(MapType::float64);
-  { const ArchiveWriter archive = create_archive(file.path(), small, maps, 4); }
-  if (mpi::rank(MPI_COMM_WORLD) == 0) {
-    fill_with_garbage(partial_path(file.path()), maps, small.tiling.size());
-    continue_partial(file.path(), small.tiling, maps, {{0, small.tiling.size()}}, "second run");
-  }
-  MPI_Barrier(MPI_COMM_WORLD);
-  ArchiveWriter archive(file.path(), maps, MPI_COMM_WORLD);
-  write_all(archive, small);
-  close(archive, file.path());
-  if (mpi::rank(MPI_COMM_WORLD) == 0) {
-    const auto numbers = read_map(file.path(), "number");
-    CHECK(numbers.front() == value_of({0, 0, 0}));
-    const Index3 n = small.lattice.extent();
-    CHECK(numbers[(n[0] - 1) * n[1] * n[2]] == value_of({n[0] - 1, 0, 0}));
+  for (const SmallStudy& small : small_studies()) {
+    const TemporaryFile file("archive_garbage");
+    const auto maps = two_maps(MapType::float64);
+    const TileRange all{0, small.tiling.size()};
+    { const ArchiveWriter archive = create_archive(file.path(), small, maps, 4); }
+    if (mpi::rank(MPI_COMM_WORLD) == 0) {
+      fill_with_garbage(partial_path(file.path()), maps, all.end);
+      continue_partial(file.path(), small.study, small.tiling, maps, {all}, "second run");
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
+    ArchiveWriter archive(file.path(), maps, small.study, MPI_COMM_WORLD);
+    write_all(archive, small);
+    close(archive, file.path());
+    if (mpi::rank(MPI_COMM_WORLD) == 0) {
+      const auto numbers = read_map(file.path(), "number");
+      const Index3 first{2, 0, 0}, last{small.study.extent()[0] - 1, 0, 0};  // in an edge chunk
+      CHECK(numbers[small.study.cell(0, first)] == value_of(0, first));
+      const std::uint64_t scene = small.study.scenes() - 1;
+      CHECK(numbers[small.study.cell(scene, last)] == value_of(scene, last));
+      CHECK(find_damage(file.path(), maps, small.study, small.tiling, all).empty());
+    }
   }
 }
 
 TEST_CASE("A kill between the index of compressed chunks and the superblock loses no tile") {
-  const SmallLattice small;
-  const std::uint64_t tiles = small.tiling.size(), done = tiles / 2;
-  const auto maps = two_maps(MapType::float64);
-  const TemporaryFile uninterrupted("archive_uninterrupted"), file("archive_old_superblock");
-  {
-    ArchiveWriter archive = create_archive(uninterrupted.path(), small, maps, 4);
-    write_all(archive, small);
-    close(archive, uninterrupted.path());
-  }
-  const auto partial = partial_path(file.path());
-  std::string superblock;
-  {
-    ArchiveWriter archive = create_archive(file.path(), small, maps, 4);
-    write_tiles(archive, small, {0, done});
-    superblock = read_superblock(partial);  // as the checkpoint has left it
-    MPI_Barrier(MPI_COMM_WORLD);
+  for (const SmallStudy& small : small_studies()) {
+    const std::uint64_t tiles = small.tiling.size(), done = tiles / 2;
+    const auto maps = two_maps(MapType::float64);
+    const auto is_intact = [&](const std::filesystem::path& path, const TileRange& range) {
+      return find_damage(path, maps, small.study, small.tiling, range).empty();
+    };
+    const TemporaryFile uninterrupted("archive_uninterrupted"), file("archive_old_superblock");
+    {
+      ArchiveWriter archive = create_archive(uninterrupted.path(), small, maps, 4);
+      write_all(archive, small);
+      close(archive, uninterrupted.path());
+    }
+    const auto partial = partial_path(file.path());
+    std::string superblock;
+    {
+      ArchiveWriter archive = create_archive(file.path(), small, maps, 4);
+      write_tiles(archive, small, {0, done});
+      superblock = read_superblock(partial);  // as the checkpoint has left it
+      MPI_Barrier(MPI_COMM_WORLD);
+      write_tiles(archive, small, {done, tiles});
+      archive.close();
+    }
+    mpi::on_root(MPI_COMM_WORLD, [&] {
+      CHECK(superblock != read_superblock(partial));
+      write_superblock(partial, superblock);
+      CHECK(is_intact(partial, {0, done}));
+      CHECK_FALSE(is_intact(partial, {done, tiles}));
+      continue_partial(file.path(), small.study, small.tiling, maps, {{done, tiles}}, "second run");
+      CHECK(is_intact(partial, {0, done}));
+    });
+    ArchiveWriter archive(file.path(), maps, small.study, MPI_COMM_WORLD);
     write_tiles(archive, small, {done, tiles});
-    archive.close();
+    close(archive, file.path());
+    if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+    CHECK(is_intact(file.path(), {0, tiles}));
+    for (const char* dataset : {"tile_checksum", "tile_done"})
+      CHECK(read_map(file.path(), dataset) == read_map(uninterrupted.path(), dataset));
   }
-  mpi::on_root(MPI_COMM_WORLD, [&] {
-    CHECK(superblock != read_superblock(partial));
-    write_superblock(partial, superblock);
-    CHECK(find_damage(partial, maps, small.tiling, {0, done}).empty());
-    CHECK_FALSE(find_damage(partial, maps, small.tiling, {done, tiles}).empty());
-    continue_partial(file.path(), small.tiling, maps, {{done, tiles}}, "second run");
-    CHECK(find_damage(partial, maps, small.tiling, {0, done}).empty());
-  });
-  ArchiveWriter archive(file.path(), maps, MPI_COMM_WORLD);
-  write_tiles(archive, small, {done, tiles});
-  close(archive, file.path());
-  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
-  CHECK(find_damage(file.path(), maps, small.tiling, {0, tiles}).empty());
-  CHECK(read_map(file.path(), "tile_checksum") == read_map(uninterrupted.path(), "tile_checksum"));
 }
 
 TEST_CASE("Each run adds a line to the history") {
   const TemporaryFile file("archive_history");
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
-  const SmallLattice small;
+  const SmallStudy small;
   create_without_maps(file.path(), small, "first run");
-  continue_partial(file.path(), small.tiling, {}, {}, "second run");
+  continue_partial(file.path(), small.study, small.tiling, {}, {}, "second run");
   const std::string long_line(5000, 'x');
-  const RunId run_id = continue_partial(file.path(), small.tiling, {}, {}, long_line);
+  const RunId run_id = continue_partial(file.path(), small.study, small.tiling, {}, {}, long_line);
   finish_partial(file.path(), run_id, "");
   const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
   CHECK(hdf5::read_text_attribute(opened, "history") == "first run\nsecond run\n" + long_line);
 }
 
 TEST_CASE("A run does not finish a file that another run has taken over") {
-  const SmallLattice small;
+  const SmallStudy small;
   enum class Event { continued, copied, moved };
   for (const Event event : {Event::continued, Event::copied, Event::moved}) {
     const TemporaryFile file("archive_run_id");
@@ -178,7 +208,7 @@ TEST_CASE("A run does not finish a file that another run has taken over") {
     const RunId run_id = create_without_maps(file.path(), small);
     check_run_id(run_id, partial);
     if (event == Event::continued)
-      continue_partial(file.path(), small.tiling, {}, {}, "second run");
+      continue_partial(file.path(), small.study, small.tiling, {}, {}, "second run");
     if (event == Event::copied) std::filesystem::copy(partial, other);
     if (event == Event::copied) std::filesystem::rename(other, partial);
     if (event == Event::moved) std::filesystem::rename(partial, other);
@@ -192,7 +222,7 @@ TEST_CASE("A run does not finish a file that another run has taken over") {
 TEST_CASE("Finishing never replaces a file other than the one that existed at the start") {
   const TemporaryFile file("archive_surprise");
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
-  const SmallLattice small;
+  const SmallStudy small;
   const RunId run_id = create_without_maps(file.path(), small);
   std::ofstream(file.path()) << "precious";
   CHECK_THROWS_WITH(finish_partial(file.path(), run_id, ""), contains("cannot rename"));

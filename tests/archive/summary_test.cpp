@@ -3,7 +3,6 @@
 #include <limits>
 
 #include "support/catch.hpp"
-#include "trebsweep/base/mpi.hpp"
 
 using namespace trebsweep;
 
@@ -13,50 +12,34 @@ SwingResult released(double speed, double time) { return {speed, time, 10, Statu
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
-const Lattice paper_lattice{Scene{}, LatticeSpec{}};
+const Study paper_study{Job{}};
 
 }  // namespace
 
-TEST_CASE(
-    "The optimum has the largest objective of all ranks, and of equal ones is the first in the "
-    "lattice") {
-  const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
-  const auto ranks = static_cast<std::uint64_t>(mpi::size(MPI_COMM_WORLD));
+TEST_CASE("The optimum has the largest objective, and of equal ones is the first in the lattice") {
   Tally tally;
-  tally.add(released(8, 0.1), rank, -9);
-  tally.add(released(7, 0.5), 1000 - rank, -3);  // the same objective on every rank
-  tally.add(released(7, 0.6), 2000 + rank, -3);
+  tally.add(released(8, 0.1), 0, -9);
+  tally.add(released(7, 0.6), 1000, -3);
+  tally.add(released(7, 0.5), 999, -3);
   tally.add({99, 0, 5, Status::not_released}, 0, 99);
-  const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
-  CHECK(summary.designs() == 4 * ranks);
-  CHECK(summary.statuses[static_cast<std::size_t>(Status::released)] == 3 * ranks);
-  CHECK(summary.statuses[static_cast<std::size_t>(Status::not_released)] == ranks);
-  CHECK(summary.steps == 35 * ranks);
+  const Summary summary = to_summary(tally, paper_study);
+  CHECK(summary.designs() == 4);
+  CHECK(summary.statuses[static_cast<std::size_t>(Status::released)] == 3);
+  CHECK(summary.statuses[static_cast<std::size_t>(Status::not_released)] == 1);
+  CHECK(summary.steps == 35);
   REQUIRE(summary.optimum);
   CHECK(summary.first_of_statuses ==
-        std::vector{paper_lattice.design({0, 0, 0}), paper_lattice.design({0, 0, 0})});
+        std::vector(2, PlacedDesign{0, paper_study.lattice(0).design({0, 0, 0})}));
   CHECK(summary.optimum->value == -3);
   CHECK(summary.optimum->speed == 7);
   CHECK(summary.optimum->release_time == 0.5);
-  const std::uint64_t cell = 1000 - (ranks - 1);
-  const Design<double> design = paper_lattice.design({0, cell / 119, cell % 119});
-  CHECK(summary.optimum->design.r3 == design.r3);
-  CHECK(summary.optimum->design.r2 == design.r2);
-}
-
-TEST_CASE("An optimum found by one rank is known to all ranks") {
-  Tally tally;
-  if (mpi::rank(MPI_COMM_WORLD) == mpi::size(MPI_COMM_WORLD) - 1)
-    tally.add(released(0, 0.9), 5, 0);  // a speed of 0 counts too
-  const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
-  REQUIRE(summary.optimum);
-  CHECK(summary.optimum->release_time == 0.9);
+  CHECK(summary.optimum->design == paper_study.lattice(0).design({0, 999 / 119, 999 % 119}));
 }
 
 TEST_CASE("Without a release the summary has no optimum, and its text reports that") {
   Tally tally;
   tally.add({no_value, no_value, 1, Status::non_finite}, 0, no_value);
-  const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
+  const Summary summary = to_summary(tally, paper_study);
   CHECK_FALSE(summary.optimum);
   CHECK_THAT(to_text(summary, Job{}),
              contains("non_finite") && contains("optimum   none: nothing was released\n"));
@@ -65,7 +48,7 @@ TEST_CASE("Without a release the summary has no optimum, and its text reports th
 TEST_CASE("If released designs are excluded, the text says by what") {
   Tally tally;
   tally.add(released(7, 0.5), 0, no_value);
-  const Summary summary = combine(tally, paper_lattice, MPI_COMM_WORLD);
+  const Summary summary = to_summary(tally, paper_study);
   CHECK_FALSE(summary.optimum);
   Job job;
   job.output.optimum_filter = OptimumFilter::taut;
@@ -113,4 +96,19 @@ TEST_CASE("The text gives the optimal design with all its digits") {
   Summary summary;
   summary.optimum = Optimum{{0.512345678, 0.58, 0.91}, 16.5, 16.5, 0.9};
   CHECK_THAT(to_text(summary, Job{}), contains("r1 = 0.512345678, r2 = 0.91, r3 = 0.58 m"));
+}
+
+TEST_CASE("The optimum of a study and its first designs of each status are in their scenes") {
+  const Study study(parse_job("[scene]\nprojectile-mass = 50, 100\n", "a.cfg", {}));
+  const Index3 first{0, 0, 0}, best{7, 8, 9};
+  Tally tally;
+  tally.add(released(7, 0.5), study.cell(1, best), 7);
+  tally.add(released(6, 0.6), study.cell(1, first), 6);
+  tally.add({no_value, no_value, 1, Status::non_finite}, study.cell(0, best), no_value);
+  const Summary summary = to_summary(tally, study);
+  REQUIRE(summary.optimum);
+  CHECK(summary.optimum->scene == 1);
+  CHECK(summary.optimum->design == study.lattice(1).design(best));
+  CHECK(summary.first_of_statuses == std::vector<PlacedDesign>{{1, study.lattice(1).design(first)},
+                                                               {0, study.lattice(0).design(best)}});
 }

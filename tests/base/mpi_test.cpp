@@ -19,12 +19,10 @@ TEST_CASE("from_root gives every rank the value of rank 0") {
 TEST_CASE("Reductions combine the values of all ranks; sum_on_root gives rank 0 the result") {
   const int rank = mpi::rank(MPI_COMM_WORLD), size = mpi::size(MPI_COMM_WORLD);
   CHECK(mpi::max(rank, MPI_COMM_WORLD) == size - 1);
-  CHECK(mpi::min(static_cast<std::uint64_t>(rank) + 7, MPI_COMM_WORLD) == 7);
   std::array<std::uint64_t, 2> values{1, static_cast<std::uint64_t>(rank)};
   mpi::sum(values, MPI_COMM_WORLD);
   CHECK(values[0] == static_cast<std::uint64_t>(size));
   CHECK(values[1] == static_cast<std::uint64_t>(size * (size - 1) / 2));
-  CHECK(mpi::sum(0.5, MPI_COMM_WORLD) == 0.5 * size);
   std::array<double, 2> numbers{0.5, static_cast<double>(rank)};
   mpi::sum_on_root(numbers, MPI_COMM_WORLD);
   if (rank == 0) CHECK(numbers == std::array<double, 2>{0.5 * size, size * (size - 1) / 2.0});

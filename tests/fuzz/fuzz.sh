@@ -14,11 +14,12 @@ mkdir -p build/fuzz/found build/fuzz/seeds/{job,archive}
 cp jobs/*.cfg build/fuzz/seeds/job
 for scene in jobs/scenes/*.cfg; do cp "$scene" "build/fuzz/seeds/job/scene_${scene##*/}"; done
 # Small complete archives of every kind: to a reader, partial archives differ from them only in tile_done.
-for output in "compression 0" "compression 4" "storage float32" "fields speed,status,slack"; do
+for option in "output.compression 0" "output.compression 4" "output.storage float32" "output.fields speed,status,slack" \
+  "scene.projectile-mass 50:100:50" "output.maps none"; do
   OMPI_MCA_ess_singleton_isolated=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 \
     build/release/trebsweep sweep jobs/accurate.cfg --lattice.r1 0.6:0.9:0.1 --lattice.r3 0.5:0.9:0.2 \
-    --lattice.r2 0.5:0.9:0.2 "--output.${output% *}" "${output#* }" --overwrite --progress none \
-    --output.file "build/fuzz/seeds/archive/${output// /_}.h5" >build/fuzz/log
+    --lattice.r2 0.5:0.9:0.2 "--${option% *}" "${option#* }" --overwrite --progress none \
+    --output.file "build/fuzz/seeds/archive/${option// /_}.h5" >build/fuzz/log
 done
 
 export ASAN_OPTIONS=detect_leaks=0

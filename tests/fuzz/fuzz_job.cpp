@@ -1,6 +1,6 @@
 // Fuzzes job files. The input is the text of a job file, then a zero byte and lines of key=value,
 // the command-line options. An accepted job must be the same after a round trip through its text,
-// and the tiles of its lattice must cover every design once.
+// and the tiles of its scenes must cover every design once.
 
 #include <cstdint>
 #include <cstdlib>
@@ -28,23 +28,32 @@ Overrides overrides_in(const std::string& lines) {
   return overrides;
 }
 
-/// Whether the lattice of a job takes little time: it is small, or so large that it is refused.
-bool is_quick(const Job& job) {
-  const LatticeSpec& spec = job.lattice;
+/// Whether the lattice of a scene takes little time: it is small, or so large that it is refused.
+bool is_quick(const Scene& scene, const LatticeSpec& spec) {
   const auto is_quick_count = [](double count) { return count < 1e3 || count > 1e8; };
   for (const auto& axis : {spec.r1, spec.r3, spec.r2})
     if (!is_quick_count(axis ? (axis->last - axis->first) / axis->step
-                             : job.scene.fulcrum_height / spec.increment))
+                             : scene.fulcrum_height / spec.increment))
       return false;
   return true;
 }
 
-void check_tiling(const Lattice& lattice) {
-  const Index3 n = lattice.extent();
-  const Tiling tiling(lattice, {(n[0] + 4) / 5, (n[1] + 4) / 5, (n[2] + 4) / 5});
+bool is_quick(const Job& job) {
+  if (count_scenes(job) > 100) return false;
+  for (std::uint64_t scene = 0; scene < count_scenes(job); ++scene)
+    if (!is_quick(scene_at(job, scene), job.lattice)) return false;
+  return true;
+}
+
+void check_tiling(const Study& study) {
+  const Index3 n = study.extent();
+  const Tiling tiling(study, {(n[0] + 4) / 5, (n[1] + 4) / 5, (n[2] + 4) / 5});
   std::uint64_t covered = 0;
-  for (std::uint64_t t = 0; t < tiling.size(); ++t) covered += lattice.designs_in(tiling.tile(t));
-  require(covered == lattice.designs());
+  for (std::uint64_t t = 0; t < tiling.size(); ++t) {
+    const auto [scene, block] = tiling.tile(t);
+    covered += study.lattice(scene).designs_in(block);
+  }
+  require(covered == study.designs());
 }
 
 }  // namespace
@@ -57,7 +66,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                               overrides_in(input.substr(std::min(end + 1, size))));
     const std::string text = to_text(job);
     require(to_text(parse_job(text, "again.cfg", {})) == text);
-    if (is_quick(job)) check_tiling(Lattice(job.scene, job.lattice));
+    if (is_quick(job)) check_tiling(Study(job));
   } catch (const InputError&) {
   }
   return 0;

@@ -130,3 +130,21 @@ TEST_CASE("The bounds in the message about an angle are allowed values") {
   CHECK_THROWS_WITH(parse("", {{"scene.sling-angle", "4"}}), contains("to 3.14159265"));
   CHECK_NOTHROW(parse("", {{"scene.sling-angle", "3.14159265"}}));
 }
+
+TEST_CASE("The numbers of [scene], and no other keys, can have several values") {
+  for (const Key& key : job_keys()) {
+    INFO(key.name);
+    const bool is_scene_number = key.section() == "scene" && key.placeholder == "NUMBER";
+    CHECK((key.set_number != nullptr) == is_scene_number);
+    Job job;
+    if (is_scene_number) {
+      key.set(job, "0.3, 0.2");
+      REQUIRE(job.outer_axes.size() == 1);
+      CHECK(job.outer_axes.front().key == key.name);
+      CHECK(job.outer_axes.front().values == std::vector{0.2, 0.3});
+      CHECK(key.get(job) == "0.2, 0.3");
+    } else if (key.placeholder != "LIST" && key.placeholder != "PATH") {
+      CHECK_THROWS_AS(key.set(job, "0.3, 0.2"), InputError);
+    }
+  }
+}

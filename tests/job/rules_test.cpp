@@ -227,3 +227,44 @@ TEST_CASE("The window rule is allowed with a hanger and with a trough") {
   for (const std::string key : {"counterweight-hanger = 0.3", "trough = yes"})
     CHECK_NOTHROW(parse_scene(key + "\n[solver]\nstepper = euler\nrelease = window\n"));
 }
+
+TEST_CASE("A key makes at most a million scenes with those before it") {
+  CHECK_THROWS_WITH(parse_scene("gravity = 1:1001:1\nwind = -500:500:1\nprojectile-diameter = 1\n"),
+                    contains("scene.wind = -500:500:1: must be fewer values") &&
+                        contains("1002001 scenes; at most 1000000 are allowed"));
+  CHECK_THROWS_WITH(
+      parse_scene("gravity = 1:1e6:1\nprojectile-mass = 1:1e6:1\nsling-mass = 1:1e6:1\n"),
+      contains("scene.projectile-mass = 1:1e6:1"));
+  CHECK(parse_scene("gravity = 1:1000:1\nsling-mass = 1:1000:1\n").outer_axes.size() == 2);
+}
+
+TEST_CASE("The message about a rule that a scene breaks names the scene") {
+  CHECK_THROWS_WITH(parse_scene("sling-stiffness = 0, 1e6\nsling-damping = 5\n"),
+                    contains("scene.sling-damping = 5: must be 0") &&
+                        contains("(in the scene with sling-stiffness = 0 N/m)"));
+  CHECK_THROWS_WITH(parse("[scene]\nbeam-side = 0, 0.1\n[output]\nfields = peak-beam-stress\n"),
+                    contains("output.fields") && contains("(in the scene with beam-side = 0 m)"));
+  CHECK_THROWS_WITH(
+      parse_scene("sling-damping = 5\n"),
+      contains("scene.sling-damping = 5: must be 0") && !contains("(in the scene with"));
+}
+
+TEST_CASE("A target error is refused with several scenes") {
+  CHECK_THROWS_WITH(parse("[scene]\nwind = 1, 2\nprojectile-diameter = 0.1\n"
+                          "[solver]\ntarget-error = 1e-6\n"),
+                    contains("solver.target-error = 1e-06: must be left out if scene.wind has "
+                             "several values"));
+}
+
+TEST_CASE("A key that only some scenes use is allowed") {
+  CHECK(parse_scene("projectile-diameter = 0, 0.1\nwind = 3\n").outer_axes.size() == 1);
+  CHECK_THROWS_WITH(parse_scene("wind = 0, 3\n"), contains("scene.wind = 0, 3: must be left out"));
+}
+
+TEST_CASE("A field whose map would have the name of an outer axis is refused") {
+  const std::string text = "[scene]\nsling-angle = 0, 0.1\n[output]\nfields = speed, sling-angle\n";
+  CHECK_THROWS_WITH(parse_job(text, "a.cfg", {}),
+                    contains("output.fields = sling-angle: must be left out if scene.sling-angle "
+                             "has several values"));
+  CHECK_NOTHROW(parse_job(text + "maps = none\n", "a.cfg", {}));
+}

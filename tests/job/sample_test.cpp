@@ -41,7 +41,7 @@ TEST_CASE("A sample of a small lattice is the whole lattice") {
 
 TEST_CASE("A sample of a box lies within it and is as large as requested, if the box is") {
   const Lattice lattice(Scene{}, LatticeSpec{});
-  const Tile box{{10, 40, 60}, {7, 9, 80 - 60}};
+  const Block box{{10, 40, 60}, {7, 9, 80 - 60}};
   const auto indices = sample_box(lattice, box, 50);
   CHECK(std::set<Index3>(indices.begin(), indices.end()).size() == 50);
   for (const Index3& index : indices) {

@@ -540,7 +540,7 @@ class Sweep(CommandTest):
         with h5py.File(self.path("job.h5")) as file:
             attributes = dict(file.attrs)
         self.assertEqual(attributes["Conventions"], "CF-1.10")
-        self.assertEqual(attributes["format_version"], 6)
+        self.assertEqual(attributes["format_version"], 7)
         self.assertEqual((attributes["objective"], attributes["objective_units"]), ("speed", "m s-1"))
         self.assertRegex(attributes["source"], r"^trebsweep \d")
         self.assertIn("--scene.gravity 9.81", attributes["history"])

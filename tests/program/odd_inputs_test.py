@@ -65,6 +65,23 @@ def contradicting_scene_keys():
            *(f"--scene.{key}={value}" for key, value in beam.items())], 2
 
 
+def outer_axes():
+    """Several values of a key that are malformed, and of commands and keys that take one."""
+    texts = [",", "1,", "1,,2", "1, 1", "1 2", "1:2", "1:2:3:4", "2:1:1", "1:2:0", "1:2:-1", "1:2:0.7", "1:2:nan", "1::1", "1:2:1,3",
+             "nan, 1", "1, 1e999", "-1e13, 1", "1:1e12:1e-6", "1:2:1e-300", f"{LONG}, 1", ", ".join(["1"] * 5000)]
+    for key in ["gravity", "sling-angle", "beam-mass", "wind"]:
+        for text in texts:
+            yield ["trace", "job.cfg", *DESIGN, f"--scene.{key}={text}"], 2
+        yield ["trace", "job.cfg", *DESIGN, f"--scene.{key}=1, 2"], 2
+    for command in ["optimum", "assess"]:
+        yield [command, "job.cfg", "--scene.gravity=9:10:0.5"], 2
+    yield ["sweep", "job.cfg", "--lattice.increment=1e-3", "--scene.gravity=1:1000000:1"], 2
+    yield ["sweep", "job.cfg", *TINY, "--scene.gravity=1:1e6:1", "--scene.projectile-mass=1:2:1"], 2
+    yield ["sweep", "job.cfg", *TINY, "--scene.gravity=9, 10", "--output.maps=some"], 2
+    yield ["sweep", "job.cfg", *TINY, "--scene.gravity=10 ,9", "--output.maps=none"], 0
+    yield ["sweep", "job.cfg", *TINY, "--scene.gravity=9:9:1"], 0
+
+
 def solver_keys():
     """Unknown solvers, and settings that exclude each other."""
     def refused(*options):
@@ -269,7 +286,7 @@ def job_files():
     yield ["sweep", "duplicate.cfg"], 2
 
 
-KINDS = (scene_keys, solver_keys, lattices, outputs, optima, command_lines, job_files)
+KINDS = (scene_keys, outer_axes, solver_keys, lattices, outputs, optima, command_lines, job_files)
 
 
 def fill(directory):

@@ -22,7 +22,7 @@ void damage_tally(const std::filesystem::path& path, hsize_t tile) {
 }  // namespace
 
 TEST_CASE("Every rank knows the ranges of damaged tiles") {
-  const SmallLattice small;
+  const SmallStudy small;
   const TemporaryFile file("damaged");
   const auto maps = two_maps(MapType::float64);
   ArchiveWriter archive = create_archive(file.path(), small, maps, 0);
@@ -34,7 +34,8 @@ TEST_CASE("Every rank knows the ranges of damaged tiles") {
   Progress progress(0, small.tiling.size(), ProgressStyle::none);
   const auto find = [&](std::uint64_t done, bool stop) {
     return to_text(damaged_tiles(
-        file.path(), maps, small.tiling, done, progress, [&] { return stop; }, MPI_COMM_WORLD));
+        file.path(), maps, small.study, small.tiling, done, progress, [&] { return stop; },
+        MPI_COMM_WORLD));
   };
   CHECK(find(small.tiling.size(), false) == "1 to 2, 5");
   CHECK(find(2, false) == "1");

@@ -30,20 +30,26 @@ Results integrate_all(const Job& job) {
 }
 
 Summary summary_of(const Job& job, const Results& all) {
-  const Lattice lattice(job.scene, job.lattice);
+  const Study study(job);
   Tally tally;
   for (std::size_t n = 0; n < all.designs.size(); ++n) {
-    const Index3 i = lattice.index_of(all.designs[n]), extent = lattice.extent();
-    tally.add(all.swings[n], (i[0] * extent[1] + i[1]) * extent[2] + i[2], all.swings[n].speed);
+    const Index3 index = study.lattice(0).index_of(all.designs[n]);
+    tally.add(all.swings[n], study.cell(0, index), all.swings[n].speed);
   }
-  return to_summary(tally, lattice.axes());
+  return to_summary(tally, study);
 }
 
-ErrorSample measure(const Job& job, const Results& all, MPI_Comm comm = MPI_COMM_WORLD) {
-  const Lattice lattice(job.scene, job.lattice);
-  const auto sample = measure_error(job, lattice, summary_of(job, all), never, comm);
+/// The checks of a job with one scene, and the error that they show.
+struct Measured {
+  std::vector<Check> checks;
+  std::optional<MeasuredError> error;
+};
+
+Measured measure(const Job& job, const Results& all, MPI_Comm comm = MPI_COMM_WORLD) {
+  const Summary summary = summary_of(job, all);
+  const auto sample = check_scene(Study(job), 0, summary.optimum, summary, 1, never, comm);
   REQUIRE(sample);
-  return *sample;
+  return {sample->checks, measured_error({&*sample, 1}, 0)};
 }
 
 /// A job on a lattice of some ten thousand designs.
@@ -197,10 +203,38 @@ TEST_CASE("The optimum is checked even where the time does not suffice for all o
   CHECK_FALSE(std::isnan(error->at_optimum));
 }
 
+TEST_CASE("The scenes that are checked include that of the optimum and those of rare statuses") {
+  Job job;
+  job.outer_axes = {{"scene.projectile-mass", {}, "1:100:1"}};
+  for (int mass = 1; mass <= 100; ++mass) job.outer_axes[0].values.push_back(mass);
+  Summary summary;
+  summary.optimum = Optimum{{}, 1, 1, 1, 41};
+  summary.first_of_statuses = {{0, {}}, {77, {}}};
+  const auto scenes = scenes_to_check(Study(job), summary);
+  CHECK(scenes == std::vector<std::uint64_t>{0, 14, 28, 41, 42, 56, 70, 77, 84, 99});
+}
+
+TEST_CASE("The error of a study is pooled over the scenes that were checked") {
+  const auto check_with = [](double error) {
+    Check check{};
+    check.speed = 1 + error;
+    check.accurate_speed = 1;
+    return check;
+  };
+  const std::array<ErrorSample, 2> samples{
+      ErrorSample{0, {check_with(0.25), check_with(0.5), check_with(8)}, 2, 0.125},
+      ErrorSample{3, {check_with(2), check_with(4)}, 1, 16}};
+  const auto error = measured_error(samples, 3);
+  REQUIRE(error);
+  CHECK(error->median == 0.5);
+  CHECK(error->largest == 16);
+  CHECK(error->at_optimum == 16);
+  CHECK(error->designs == 5);
+}
+
 TEST_CASE("No error is returned once any rank is stopped") {
   const Job job = medium_job();
-  const Lattice lattice(job.scene, job.lattice);
+  const Summary summary = summary_of(job, integrate_all(job));
   const auto stopped = [] { return mpi::rank(MPI_COMM_WORLD) == 0; };
-  CHECK_FALSE(
-      measure_error(job, lattice, summary_of(job, integrate_all(job)), stopped, MPI_COMM_WORLD));
+  CHECK_FALSE(check_scene(Study(job), 0, summary.optimum, summary, 1, stopped, MPI_COMM_WORLD));
 }

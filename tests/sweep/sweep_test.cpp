@@ -1,10 +1,10 @@
 #include "trebsweep/sweep/sweep.hpp"
 
 #include <cmath>
-#include <cstring>
 
 #include "support/archive_reader.hpp"
 #include "support/catch.hpp"
+#include "support/quiet_sweep.hpp"
 #include "trebsweep/archive/output_path.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/mpi.hpp"
@@ -24,18 +24,6 @@ Job coarse_job(const TemporaryFile& file) {
   job.output.file = file.path();
   return job;
 }
-
-SweepOptions quiet(const std::optional<Index3>& tile_edge = {}) {
-  SweepOptions options;
-  options.progress = ProgressStyle::none;
-  options.tile_edge = tile_edge;
-  options.overwrite = true;
-  return options;
-}
-
-bool root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
-
-bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 }  // namespace
 
@@ -240,7 +228,7 @@ TEST_CASE("A sweep stopped repeatedly produces bitwise the same maps and the sam
   do {
     // The first run is stopped while rank 0 creates the file, the others after a round or two. From
     // the third on, they first verify the tiles done.
-    const Tiling tiling(Lattice(job.scene, job.lattice), edge);
+    const Tiling tiling(Study(job), edge);
     const int calls_while_creating = compression > 0 ? static_cast<int>(2 * tiling.size()) : 4;
     int calls_left = runs == 0             ? 3
                      : runs == 1 && root() ? calls_while_creating + 5

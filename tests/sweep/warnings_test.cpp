@@ -22,12 +22,12 @@ std::vector<std::string> warnings_of(const Job& job) {
     SwingResult result;
     integrate(job.scene, job.solver, {{&design, 1}, {&result, 1}});
     if (has_speed(result.status) && (!summary.optimum || result.speed > summary.optimum->speed))
-      summary.optimum = {design, result.speed, result.speed, result.release_time};
+      summary.optimum = {design, result.speed, result.speed, result.release_time, 0};
   }
   const auto never = [] { return false; };
-  const auto sample = measure_error(job, lattice, summary, never, MPI_COMM_WORLD);
-  summary.error = sample->error;
-  return warnings(job, lattice, summary, sample->checks);
+  const auto sample =
+      check_scene(Study(job), 0, summary.optimum, summary, 1, never, MPI_COMM_WORLD);
+  return warnings(job, lattice, summary.optimum, measured_error({&*sample, 1}, 0), sample->checks);
 }
 
 /// The number of lines that contain the words.
@@ -101,7 +101,7 @@ TEST_CASE("The warning about an edge gives the bound of r1 with a hanger or a st
     const Lattice lattice(job.scene, job.lattice);
     Summary summary;
     summary.optimum = {lattice.design({i1, 5, 1}), 1, 1, 1};
-    const auto lines = warnings(job, lattice, summary, {});
+    const auto lines = warnings(job, lattice, summary.optimum, summary.error, {});
     return lines.empty() ? "" : lines[0];
   };
   Job job = coarse_job();
@@ -119,9 +119,9 @@ TEST_CASE("Without checks only the edges of the lattice are reported") {
   job.solver.time_step = 0.2;
   const Lattice lattice(job.scene, job.lattice);
   Summary summary;
-  CHECK(warnings(job, lattice, summary, {}).empty());
+  CHECK(warnings(job, lattice, summary.optimum, summary.error, {}).empty());
   summary.optimum = {lattice.design({0, 0, 0}), 1, 1, 1};
-  CHECK(warnings(job, lattice, summary, {}).size() == 1);
+  CHECK(warnings(job, lattice, summary.optimum, summary.error, {}).size() == 1);
 }
 
 TEST_CASE("Errors and efficiencies are judged by the largest speed, not that of the optimum") {
@@ -133,13 +133,15 @@ TEST_CASE("Errors and efficiencies are judged by the largest speed, not that of 
   Summary summary;
   summary.optimum = {design, 5, 1e-3, 1};  // of an objective that is best in a slow design
   summary.error = MeasuredError{0, 0.1, 0, 2};
-  CHECK(warnings(job, lattice, summary, std::array{fast, slow}).empty());
+  CHECK(warnings(job, lattice, summary.optimum, summary.error, std::array{fast, slow}).empty());
   summary.error->largest = 0.2;
   for (const auto& optimum : {summary.optimum, std::optional<Optimum>{}}) {
     summary.optimum = optimum;
-    CHECK(count(warnings(job, lattice, summary, std::array{fast}), "the tolerance is loose") == 1);
+    CHECK(count(warnings(job, lattice, summary.optimum, summary.error, std::array{fast}),
+                "the tolerance is loose") == 1);
   }
-  CHECK(count(warnings(job, lattice, summary, std::array{slow}), "efficiency above 1") == 1);
+  CHECK(count(warnings(job, lattice, summary.optimum, summary.error, std::array{slow}),
+              "efficiency above 1") == 1);
 }
 
 TEST_CASE("Slack slings are reported of designs close to the optimum in its objective") {
@@ -151,11 +153,39 @@ TEST_CASE("Slack slings are reported of designs close to the optimum in its obje
   summary.optimum = {design, -2, 10, 1};
   const auto report = [&](double objective) {
     const Check slack{design, 10, 0.5, 10, 2, objective, Status::released, Status::released};
-    return warnings(job, lattice, summary, std::array{slack});
+    return warnings(job, lattice, summary.optimum, summary.error, std::array{slack});
   };
   REQUIRE(report(-2.09).size() == 1);
   CHECK_THAT(report(-2.09)[0], contains("in 1 of 1 designs checked within 5 % of the optimum's "
                                         "sling-angle, where"));
   CHECK(report(-2.11).empty());
   CHECK(report(no_value).empty());  // it violates a constraint
+}
+
+TEST_CASE("The warnings of a study name the scene, and count those on the edge of the lattice") {
+  Job job = coarse_job();
+  job.outer_axes = {{"scene.projectile-mass", {50, 100, 150}, "50, 100, 150"}};
+  const Study study(job);
+  const auto tally_at = [&](std::uint64_t scene, const Index3& index, double value) {
+    Tally tally;
+    tally.best_cell = study.cell(scene, index);
+    tally.best_value = tally.best_speed = value;
+    return tally;
+  };
+  const std::array tallies{tally_at(0, {0, 5, 1}, 3), tally_at(1, {4, 5, 1}, 2),
+                           tally_at(2, {4, 0, 1}, 1)};
+  Summary summary;
+  summary.optimum = Optimum{study.design(tallies[0].best_cell).second, 3, 3, 1, 0};
+  Check impossible{summary.optimum->design, 3, 1.5, 3, 1, no_value, Status::released,
+                   Status::released};
+  const ErrorSample best{0, {}, 0, 0}, other{2, {impossible}, 1, 0};
+  const auto lines = warnings(study, summary, tallies, std::array{best, other});
+  REQUIRE(lines.size() == 3);
+  CHECK_THAT(lines[0], contains("the best scene, projectile-mass = 50 kg: the optimum lies on the "
+                                "edge of the lattice: r1 = 0.6 m"));
+  CHECK_THAT(lines[1], contains("1 of 1 other scenes checked have warnings, such as that with "
+                                "projectile-mass = 150 kg: an energy efficiency above 1"));
+  CHECK(lines[2] ==
+        "the optimum of 2 of 3 scenes lies on the edge of the lattice: the smallest r1 in 1, the "
+        "smallest r3 in 1");
 }

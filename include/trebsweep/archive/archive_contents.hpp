@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -8,8 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "trebsweep/archive/scene_optimum.hpp"
 #include "trebsweep/archive/summary.hpp"
-#include "trebsweep/job/lattice.hpp"
+#include "trebsweep/job/study.hpp"
 #include "trebsweep/job/tiling.hpp"
 
 namespace trebsweep {
@@ -22,13 +22,16 @@ struct ArchiveContents {
   std::string source;  ///< program and version that created the archive
   std::string kernel;  ///< instruction set that computed it
   std::string history;
-  std::array<std::vector<double>, 3> axes;  ///< r1, r3, r2, m
-  Index3 tile_edge;                         ///< largest extent of a tile, cells
+  LatticeAxes axes;                             ///< r1, r3, r2, m
+  std::vector<std::vector<double>> outer_axes;  ///< values of the outer axes of a study
+  Index3 tile_edge;                             ///< largest extent of a tile, cells
   std::uint64_t tiles = 0;
   std::uint64_t tiles_done = 0;   ///< leading tiles that are marked done
   std::vector<TallyRow> tallies;  ///< of the tiles done, as stored
+  /// Of a study: of each scene, as stored. Valid where the scene's tiles are done.
+  std::vector<SceneOptimum> optima;
   std::optional<MeasuredError> error;
-  std::optional<RefinedOptimum> refined;
+  std::optional<RefinedOptimum> refined;  ///< of a sweep of one scene
 
   bool complete() const { return tiles_done == tiles; }
 
@@ -39,8 +42,8 @@ struct ArchiveContents {
   Tally tally(std::span<const TileRange> without = {}) const;
 
   /// The tiles. Throws std::runtime_error if the archive's axes and number of tiles are not those
-  /// of the lattice of its job.
-  Tiling tiling(const Lattice& lattice) const;
+  /// of the study of its job.
+  Tiling tiling(const Study& study) const;
 };
 
 /// Reads an archive in one process, without MPI. Throws std::runtime_error if the file is not an

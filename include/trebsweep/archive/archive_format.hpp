@@ -2,22 +2,21 @@
 
 #include <hdf5.h>
 
-#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
 
-#include "trebsweep/job/lattice.hpp"
 #include "trebsweep/swing/field.hpp"
 
 namespace trebsweep {
 
 /// The file format version, stored in the attribute format_version, and the oldest one that can be
 /// read. Version 3 has no checksums; versions 3 to 5 have fewer columns in tile_tally, and the
-/// objective of their optimum is the speed.
-inline constexpr unsigned long long format_version = 6, oldest_format_version = 3;
+/// objective of their optimum is the speed; versions 3 to 6 have a single scene.
+inline constexpr unsigned long long format_version = 7, oldest_format_version = 3;
 
 /// Number types of a map in the file.
 enum class MapType { float64, float32, uint8 };
@@ -37,21 +36,20 @@ struct MapInfo {
 using Attributes =
     std::vector<std::pair<std::string, std::variant<std::string, double, unsigned long long>>>;
 
-/// The name of a field's map.
-std::string dataset_name(Field field);
+/// The name of a field's map, or of the outer axis of a key without its section.
+std::string dataset_name(std::string_view name);
+inline std::string dataset_name(Field field) { return dataset_name(info(field).name); }
 
 /// The line that a run starting now adds to the attribute history.
 std::string history_line(const std::string& command, std::uint64_t ranks);
 
 void write_attributes(hid_t file, const Attributes& attributes);
 
-/// The columns of tile_checksum: the maps, then tile_tally.
-std::vector<std::string> checksum_columns(const std::vector<MapInfo>& maps);
+/// The columns of tile_checksum: the maps; of a study, best, which covers the optimum of a scene in
+/// the scene's last tile and is 0 in its others; tile_tally.
+std::vector<std::string> checksum_columns(const std::vector<MapInfo>& maps, bool is_study);
 
 /// The HDF5 type of a map's values in the file.
 hid_t file_type(MapType type);
-
-/// An index or extent as HDF5 expects it.
-inline std::array<hsize_t, 3> sizes(const Index3& index) { return {index[0], index[1], index[2]}; }
 
 }  // namespace trebsweep

@@ -11,6 +11,8 @@
 
 #include "trebsweep/archive/archive_format.hpp"
 #include "trebsweep/archive/hdf5.hpp"
+#include "trebsweep/archive/map_shape.hpp"
+#include "trebsweep/archive/scene_optimum.hpp"
 #include "trebsweep/archive/summary.hpp"
 
 namespace trebsweep {
@@ -20,8 +22,9 @@ namespace trebsweep {
 /// fails.
 class ArchiveWriter {
  public:
-  /// Opens the file that create_partial() created for the same path and maps.
-  ArchiveWriter(const std::filesystem::path& path, const std::vector<MapInfo>& maps, MPI_Comm comm);
+  /// Opens the file that create_partial() created for the same path, maps and study.
+  ArchiveWriter(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
+                const Study& study, MPI_Comm comm);
 
   /// Writes one tile of each rank; a rank without one passes no tile. `maps` holds the values of
   /// each map in the tile, r2 fastest. Returns the checksum of each map's bytes as a reader gets
@@ -29,8 +32,13 @@ class ArchiveWriter {
   std::vector<std::uint64_t> write(const std::optional<Tile>& tile,
                                    std::span<const std::vector<double>> maps);
 
+  /// Writes the optima of consecutive scenes of a study, the first of which has the number
+  /// `first_scene`. Only rank 0's are used.
+  void write_optima(std::uint64_t first_scene, std::span<const SceneOptimum> optima);
+
   /// Marks the tiles of a round, numbered from `first`, as done once their data is on disk. Only
-  /// rank 0's tallies, one per tile, and checksums, one per tile and map, are used.
+  /// rank 0's tallies, one per tile, and checksums are used: for each tile those of
+  /// checksum_columns() except that of its tally.
   void checkpoint(std::uint64_t first, std::span<const TallyRow> tallies,
                   std::span<const std::uint64_t> checksums);
 
@@ -58,6 +66,7 @@ class ArchiveWriter {
   void flush();
 
   std::filesystem::path path_;
+  MapShape shape_;
   MPI_Comm comm_;
   hdf5::Properties collective_;
   std::optional<hdf5::File> file_;

@@ -18,8 +18,9 @@
 //   creation     <path>.partial.new: axes, maps of fill values, attributes; rename it to
 //                <path>.partial
 //   each round   1. every rank writes its tiles to the maps
-//                2. rank 0 writes the tallies of the round's tiles to tile_tally, and the checksums
-//                   of tiles and tallies to tile_checksum
+//                2. rank 0 writes the optima of the scenes whose last tile is in the round to
+//                   best_value, best_speed, ..., the tallies of the round's tiles to tile_tally,
+//                   and the checksums of tiles, optima and tallies to tile_checksum
 //                3. flush
 //                4. rank 0 marks the round's tiles as done in tile_done
 //                5. flush
@@ -60,14 +61,14 @@ namespace trebsweep {
 /// Creates the partial file, in which every cell has the fill value of its map, and replaces an
 /// existing one. No incomplete file ever has the name <path>.partial. The attributes are taken from
 /// rank 0. Returns the id of this run on all ranks, or nothing if any rank was stopped. Throws
-/// mpi::RootError, for example if there is not enough space. Leaves no file behind if it is stopped
-/// or throws. Collective.
+/// InputError if the disk is known to have too little space, and mpi::RootError if it fails
+/// otherwise. Leaves no file behind if it is stopped or throws. Collective.
 std::optional<RunId> create_partial(const std::filesystem::path& path, const Skeleton& skeleton,
                                     const ProgressCallback& progress, MPI_Comm comm);
 
 /// Prepares a partial file for another run, which computes the given tiles, and adds a line to its
 /// history. For one rank. Throws std::runtime_error.
-RunId continue_partial(const std::filesystem::path& path, const Tiling& tiling,
+RunId continue_partial(const std::filesystem::path& path, const Study& study, const Tiling& tiling,
                        const std::vector<MapInfo>& maps, const std::vector<TileRange>& to_compute,
                        const std::string& history_line);
 

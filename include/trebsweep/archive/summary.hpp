@@ -1,16 +1,16 @@
 #pragma once
 
-#include <mpi.h>
-
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "trebsweep/archive/scene_optimum.hpp"
 #include "trebsweep/archive/tally.hpp"
 #include "trebsweep/job/job.hpp"
-#include "trebsweep/job/lattice.hpp"
+#include "trebsweep/job/study.hpp"
 
 namespace trebsweep {
 
@@ -21,6 +21,15 @@ struct Optimum {
   double value;         ///< the objective, in the unit of its field
   double speed;         ///< m/s
   double release_time;  ///< s
+  std::uint64_t scene = 0;
+};
+
+/// A design of a study.
+struct PlacedDesign {
+  std::uint64_t scene;
+  Design<double> design;
+
+  bool operator==(const PlacedDesign&) const = default;
 };
 
 /// An optimum between the designs of a lattice, and the error of its value.
@@ -41,15 +50,16 @@ struct MeasuredError {
 struct Summary {
   std::array<std::uint64_t, status_names.size()> statuses{};  ///< designs of each Status
   std::uint64_t steps = 0;                                    ///< steps tried, over all designs
-  std::uint64_t lane_steps = 0;                   ///< steps of all lanes, including idle ones
-  std::optional<Optimum> optimum;                 ///< nothing if no design qualifies
-  std::optional<RefinedOptimum> refined;          ///< nothing if it was not searched for
-  std::vector<Design<double>> first_of_statuses;  ///< the first design of each status that occurs
-  std::optional<MeasuredError> error;             ///< nothing if it was not measured
-  std::vector<std::string> warnings;              ///< reasons to doubt the result, a line for each
-  double integration_seconds = 0;                 ///< sum over rounds of the slowest rank's time
-  double sweep_seconds = 0;                       ///< integration and writing
-  bool complete = true;                           ///< false if the sweep was stopped
+  std::uint64_t lane_steps = 0;                 ///< steps of all lanes, including idle ones
+  std::optional<Optimum> optimum;               ///< nothing if no design qualifies
+  std::optional<RefinedOptimum> refined;        ///< nothing if it was not searched for
+  std::vector<SceneOptimum> optima;             ///< of a study's scenes; on rank 0 only
+  std::vector<PlacedDesign> first_of_statuses;  ///< the first design of each status that occurs
+  std::optional<MeasuredError> error;           ///< nothing if it was not measured
+  std::vector<std::string> warnings;            ///< reasons to doubt the result, a line for each
+  double integration_seconds = 0;               ///< sum over rounds of the slowest rank's time
+  double sweep_seconds = 0;                     ///< integration and writing
+  bool complete = true;                         ///< false if the sweep was stopped
   bool partial_created = true;  ///< false if it was stopped before the partial file existed
 
   std::uint64_t designs() const;
@@ -58,11 +68,12 @@ struct Summary {
   double utilisation() const;
 };
 
-/// The summary of a tally over a lattice with the given axes (r1, r3, r2).
-Summary to_summary(const Tally& tally, const std::array<std::vector<double>, 3>& axes);
+/// The summary of a tally of a study's designs.
+Summary to_summary(const Tally& tally, const Study& study);
 
-/// The summary of all ranks' tallies, on all ranks; collective.
-Summary combine(const Tally& tally, const Lattice& lattice, MPI_Comm comm);
+/// The optimum of all scenes of a study; nothing if the job does not refine optima, or none is
+/// known.
+std::optional<RefinedOptimum> best_refined(const Job& job, std::span<const SceneOptimum> optima);
 
 /// The summary as lines of text for the user, without a newline after the last.
 std::string to_text(const Summary& summary, const Job& job);

@@ -12,8 +12,7 @@
 
 namespace trebsweep {
 
-/// The index of no design. Within the range of signed integers: in MPICH 4.0 MPI_MIN compares
-/// unsigned ones as signed.
+/// The index of no design.
 inline constexpr std::uint64_t no_cell = std::numeric_limits<std::int64_t>::max();
 
 /// Counts and optimum of a set of designs, such as those of a tile. Tallies of disjoint sets can be

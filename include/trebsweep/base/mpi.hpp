@@ -41,8 +41,6 @@ Value from_root(Value value, MPI_Comm comm) {
 
 /// Reductions over all ranks, with the result on every rank; collective.
 double max(double value, MPI_Comm comm);
-std::uint64_t min(std::uint64_t value, MPI_Comm comm);
-double sum(double value, MPI_Comm comm);
 void sum(std::span<std::uint64_t> values, MPI_Comm comm);
 
 /// Element-wise sums on rank 0; on the other ranks `values` is unspecified afterwards. Collective.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <charconv>
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -41,6 +42,10 @@ bool parse_number(std::string_view text, Number& number) {
 
 /// The value of a key as a number. Throws InputError if it is not a number in the range.
 double to_number(const std::string& key, const std::string& value, const Range& range);
+
+/// first + n * step, rounded to 15 digits, so that 0.51 is the same number here, as a single value
+/// in a job file, and in ds.sel(r1=0.51).
+double rounded_sum(double first, std::size_t n, double step);
 
 /// The value of a key as a duration in seconds: 90, 1:30, 2:00:00 or 1-12:00:00. Throws InputError
 /// if it is not a duration above 0.

@@ -8,6 +8,7 @@
 
 #include "trebsweep/job/constraint.hpp"
 #include "trebsweep/job/lattice.hpp"
+#include "trebsweep/job/outer_axis.hpp"
 #include "trebsweep/model/scene.hpp"
 #include "trebsweep/ode/solver.hpp"
 #include "trebsweep/ode/stepper_info.hpp"
@@ -27,6 +28,12 @@ enum class OptimumFilter { all, taut };
 /// In the order of OptimumFilter.
 inline constexpr std::array<std::string_view, 2> optimum_filter_names{"all", "taut"};
 
+/// Whether maps are stored, or only the optimum of each scene.
+enum class Maps { all, none };
+
+/// In the order of Maps.
+inline constexpr std::array<std::string_view, 2> maps_names{"all", "none"};
+
 /// What a sweep stores, and where.
 struct Output {
   std::string file;  ///< the archive's path
@@ -34,7 +41,13 @@ struct Output {
   Storage storage = Storage::float64;
   OptimumFilter optimum_filter = OptimumFilter::all;
   int compression = 0;  ///< deflate level, 0 (off) to 9
+  Maps maps = Maps::all;
 };
+
+/// The fields whose maps are stored.
+inline std::vector<Field> stored_fields(const Output& output) {
+  return output.maps == Maps::all ? output.fields : std::vector<Field>{};
+}
 
 /// What a search for the optimum makes as large as possible: the objective of the design itself, or
 /// that of designs whose lengths are off by up to a deviation, at worst or on average.
@@ -70,7 +83,8 @@ struct Assessment {
 
 /// A job file with its command-line options: everything a command needs to know.
 struct Job {
-  Scene scene;
+  Scene scene;                        ///< of a study: the scene with the first value of each axis
+  std::vector<OuterAxis> outer_axes;  ///< of a study: keys of [scene] with several values
   std::vector<std::string> scene_files;  ///< paths, as given, of the files that set scene keys
   LatticeSpec lattice;
   Solver solver;

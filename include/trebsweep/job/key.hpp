@@ -25,6 +25,8 @@ struct Key {
   std::function<void(Job&, const std::string&)> set;
   /// The value as text that `set` accepts; empty if an optional key is not set.
   std::function<std::string(const Job&)> get;
+  /// Sets the number of a scene; empty for a key that cannot be an outer axis.
+  std::function<void(Scene&, double)> set_number = {};
 
   /// Its meaning, its unit and what is allowed.
   std::string help() const;

@@ -56,6 +56,9 @@ KeyKind<Field> quantity();
 /// A list of constraints, separated by commas, possibly empty.
 KeyKind<std::vector<Constraint>> constraints();
 
+/// Throws InputError unless stepping from the first value of a range reaches its last one.
+void check_steps(const std::string& key, const std::string& text, const AxisRange& axis);
+
 /// The words of a list, separated by commas, spaces or both.
 std::vector<std::string> to_words(const std::string& text);
 

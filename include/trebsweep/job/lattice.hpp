@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,14 +38,17 @@ ArmBounds arm_bounds(const Scene& scene);
 /// An index or an extent in the lattice along (r1, r3, r2).
 using Index3 = std::array<std::size_t, 3>;
 
-/// A block of the lattice's bounding box that a rank computes and writes at once.
-struct Tile {
+/// The values of r1, r3 and r2, m, ascending.
+using LatticeAxes = std::array<std::vector<double>, 3>;
+
+/// A block of a lattice's box.
+struct Block {
   Index3 first, count;
 
   std::size_t cells() const { return count[0] * count[1] * count[2]; }
 };
 
-/// The designs of a job: the box r1 x r3 x r2 without the corner where r2 < h0 - r3 (49) fails.
+/// The designs of a scene: the box r1 x r3 x r2 without the corner where r2 < h0 - r3 (49) fails.
 ///
 /// The axes are in the order r1, r3, r2: that of the paper's nested loops, in which the bound of r2
 /// depends on r3, and that of storage, in which r2 varies fastest.
@@ -53,31 +58,42 @@ class Lattice {
   /// or r2 is not explicit, or if the box has more than 1e12 cells.
   Lattice(const Scene& scene, const LatticeSpec& spec);
 
-  /// The values of r1, r3 and r2, m.
-  const std::array<std::vector<double>, 3>& axes() const { return axes_; }
+  /// Extends the box, in which the lattice keeps its designs. `box` must hold the values of the
+  /// lattice's own, and may have others in between; its r3 and r2 must start with the lattice's.
+  void extend_to(std::shared_ptr<const LatticeAxes> box);
 
-  Index3 extent() const { return {axes_[0].size(), axes_[1].size(), axes_[2].size()}; }
+  /// The axes of the box.
+  const LatticeAxes& axes() const { return *axes_; }
+
+  Index3 extent() const { return {axes()[0].size(), axes()[1].size(), axes()[2].size()}; }
 
   std::uint64_t designs() const;
 
   /// Whether a cell of the box holds a design.
-  bool holds(const Index3& i) const { return i[2] < row_length_[i[1]]; }
+  bool holds(const Index3& i) const {
+    return i[2] < row_length_[i[1]] && std::ranges::binary_search(r1_, i[0]);
+  }
 
-  /// The number of designs along r2 at the r3 with index i3.
+  /// The indices in the box of the values of r1 that designs have, ascending.
+  const std::vector<std::size_t>& r1_indices() const { return r1_; }
+
+  /// The number of designs along r2 at the r3 with index i3, for every r1 that designs have. They
+  /// are the first cells of their row.
   std::size_t row_length(std::size_t i3) const { return row_length_[i3]; }
 
   Design<double> design(const Index3& i) const {
-    return {axes_[0][i[0]], axes_[1][i[1]], axes_[2][i[2]]};
+    return {axes()[0][i[0]], axes()[1][i[1]], axes()[2][i[2]]};
   }
 
   /// The index of a design of the lattice.
   Index3 index_of(const Design<double>& design) const;
 
-  /// The number of designs in a tile.
-  std::uint64_t designs_in(const Tile& tile) const;
+  /// The number of designs in a block.
+  std::uint64_t designs_in(const Block& block) const;
 
  private:
-  std::array<std::vector<double>, 3> axes_;
+  std::shared_ptr<const LatticeAxes> axes_;  // shared by lattices in a common box
+  std::vector<std::size_t> r1_;              // the indices in the box of the designs' r1
   // The number of designs along r2 at each r3, in non-increasing order.
   std::vector<std::size_t> row_length_;
 };

@@ -11,7 +11,7 @@ std::vector<Design<double>> all_designs(const Lattice& lattice);
 
 /// The indices of `count` designs in a box of the lattice, taken from Sobol's low-discrepancy
 /// sequence; of all designs in it, if there are no more. In storage order.
-std::vector<Index3> sample_box(const Lattice& lattice, const Tile& box, std::size_t count);
+std::vector<Index3> sample_box(const Lattice& lattice, const Block& box, std::size_t count);
 
 /// The indices of representative designs of a lattice: the corners of its triangular prism, and
 /// `count` more from Sobol's sequence. Of all designs, if the lattice has no more than that.

@@ -5,27 +5,25 @@
 #include <vector>
 
 #include "trebsweep/archive/summary.hpp"
-#include "trebsweep/job/job.hpp"
-#include "trebsweep/job/lattice.hpp"
+#include "trebsweep/job/study.hpp"
 #include "trebsweep/sweep/schedule.hpp"
 
 namespace trebsweep {
 
 /// The results of a tile.
 struct ComputedTile {
-  std::vector<std::vector<double>> maps;  ///< one per field of the job, values along r2 fastest
+  std::vector<std::vector<double>> maps;  ///< one per stored field, values along r2 fastest
   Tally tally;
 };
 
 /// Integrates the designs of tiles. Calls `stop` about every 0.2 s and returns nothing once it is
 /// true.
 std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>& tiles,
-                                                 const Job& job, const Lattice& lattice,
+                                                 const Study& study,
                                                  const std::function<bool()>& stop);
 
 /// The mean time to integrate a design on one core (s), measured for about 50 ms on a sample of the
-/// lattice.
-double seconds_per_design(const Job& job, const Lattice& lattice,
-                          const std::function<bool()>& stop);
+/// study.
+double seconds_per_design(const Study& study, const std::function<bool()>& stop);
 
 }  // namespace trebsweep

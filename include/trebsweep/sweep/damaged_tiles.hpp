@@ -19,8 +19,8 @@ namespace trebsweep {
 /// rank, that rank leaves the rest of its tiles unverified. Throws mpi::RootError if the file
 /// cannot be read.
 std::vector<TileRange> damaged_tiles(const std::filesystem::path& path,
-                                     const std::vector<MapInfo>& maps, const Tiling& tiling,
-                                     std::uint64_t done, Progress& progress,
+                                     const std::vector<MapInfo>& maps, const Study& study,
+                                     const Tiling& tiling, std::uint64_t done, Progress& progress,
                                      const std::function<bool()>& stop, MPI_Comm comm);
 
 /// The numbers of tiles, such as "3, 7 to 9"; at most 20 ranges.

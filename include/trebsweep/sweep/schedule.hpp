@@ -15,16 +15,17 @@ struct NumberedTile {
 
 /// The extent of a lattice's tiles: about a fifth of the lattice along each axis, which gives
 /// enough tiles to share among ranks but few to write. Longer along an axis where the others are
-/// short; shorter where designs are slow, so that a tile takes at most about a second of one core.
-/// `design_seconds` is the time to integrate a design.
-Index3 tile_edge(const Index3& extent, double design_seconds);
+/// short, if there are many scenes, and without maps; shorter where designs are slow, so that a
+/// tile takes at most about a second of one core, up to some million tiles. `extent` is that of the
+/// box of each of the `scenes`, and `design_seconds` the time to integrate a design.
+Index3 tile_edge(const Index3& extent, std::uint64_t scenes, Maps maps, double design_seconds);
 
 /// Assigns tiles to ranks by the longest-processing-time-first rule: in order of decreasing size,
 /// each to the rank with the fewest designs so far. The slowest rank then takes at most 4/3 of the
 /// shortest possible time (R. L. Graham, SIAM J. Appl. Math. 17, 1969) if all designs take equally
 /// long. The result is the same on every rank.
 std::vector<std::vector<NumberedTile>> assign_tiles(const TileRange& range, std::uint64_t ranks,
-                                                    const Lattice& lattice, const Tiling& tiling);
+                                                    const Study& study, const Tiling& tiling);
 
 /// The number of items to process next in about `target` seconds, if the last `count` took
 /// `seconds`. At least 1. Grows at most eightfold and shrinks at most tenfold, since short times

@@ -10,6 +10,7 @@
 #include "trebsweep/base/progress.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/job/lattice.hpp"
+#include "trebsweep/sweep/scene_optima.hpp"
 
 namespace trebsweep {
 
@@ -19,17 +20,17 @@ struct SweepOptions {
   ProgressStyle progress = ProgressStyle::automatic;
   std::string command;                   ///< the command line, for the archive's history
   std::optional<Index3> tile_edge = {};  ///< largest extent of a tile; chosen if not given
-  /// Finds the optimum near a design, between those of the lattice; for jobs with optimum.refine.
-  std::function<std::optional<RefinedOptimum>(const Job&, const Design<double>&)> refine = {};
+  Refine refine = {};                    ///< for jobs with optimum.refine
   std::function<bool()> stop = [] { return false; };  ///< polled on every rank
 };
 
-/// Integrates every design of the job's lattice, measures the error of the speeds, and writes the
-/// archive; continues an interrupted sweep of the same job. Collective. Returns the summary, the
-/// same on all ranks, or nothing if the complete archive of this job already exists. If `stop` is
-/// true on any rank, all ranks stop, and the partial archive keeps the tiles that are marked done.
-/// Throws, on all ranks, InputError if the job or the path of its archive is invalid, and
-/// mpi::RootError if an archive cannot be created or an unfinished sweep cannot be continued.
+/// Integrates every design of the job's lattice in every scene, measures the error of the speeds,
+/// and writes the archive; continues an interrupted sweep of the same job. Collective. Returns the
+/// summary, or nothing if the complete archive of this job already exists. Rank 0's is complete;
+/// the others lack `optima` and the warnings that follow from them. If `stop` is true on any rank,
+/// all ranks stop, and the partial archive keeps the tiles that are marked done. Throws, on all
+/// ranks, InputError if the job or the path of its archive is invalid, and mpi::RootError if an
+/// archive cannot be created or an unfinished sweep cannot be continued.
 std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Comm comm);
 
 }  // namespace trebsweep

@@ -1,0 +1,81 @@
+#include "trebsweep/job/outer_axis.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <boost/algorithm/string.hpp>
+#include <cmath>
+
+#include "trebsweep/base/error.hpp"
+#include "trebsweep/base/number.hpp"
+#include "trebsweep/job/key_kinds.hpp"
+
+namespace trebsweep {
+namespace {
+
+constexpr double max_values = 1e6;
+
+bool is_blank(const std::string& text) { return boost::trim_copy(text).empty(); }
+
+/// Throws InputError if two neighbours among ascending values are equal.
+void require_distinct(const std::string& key, const std::string& text,
+                      const std::vector<double>& values) {
+  if (const auto twice = std::ranges::adjacent_find(values); twice != values.end())
+    refuse(key, text, fmt::format("numbers that differ; {} is repeated", *twice));
+}
+
+/// The values of first:last:step.
+std::vector<double> range_values(const std::string& key, const std::string& text,
+                                 const std::function<double(const std::string&)>& parse) {
+  std::vector<std::string> parts;
+  boost::split(parts, text, boost::is_any_of(":"));
+  double step = 0;
+  if (parts.size() != 3 || std::ranges::any_of(parts, is_blank) || text.find(',') != text.npos ||
+      !parse_number(parts[2], step) || !(step > 0) || !std::isfinite(step))
+    refuse(key, text, "first:last:step with a step above 0, or numbers separated by commas");
+  const double first = parse(parts[0]), last = parse(parts[1]);
+  if (first > last) refuse(key, text, "first:last:step with first <= last");
+  check_steps(key, text, {first, last, step});
+  const double steps = std::round((last - first) / step);
+  if (steps + 1 > max_values)
+    refuse(key, text, fmt::format("a range of at most {:.0f} values", max_values));
+  std::vector<double> values;
+  for (std::size_t i = 0; i <= static_cast<std::size_t>(steps); ++i)
+    values.push_back(rounded_sum(first, i, step));
+  require_distinct(key, text, values);  // a step may be lost in the rounding
+  return values;
+}
+
+/// The values of a list, in ascending order.
+std::vector<double> list_values(const std::string& key, const std::string& text,
+                                const std::function<double(const std::string&)>& parse) {
+  std::vector<std::string> parts;
+  boost::split(parts, text, boost::is_any_of(","));
+  std::vector<double> values;
+  for (const std::string& part : parts) {
+    if (is_blank(part)) refuse(key, text, "numbers separated by commas, or first:last:step");
+    values.push_back(parse(boost::trim_copy(part)));
+  }
+  std::ranges::sort(values);
+  require_distinct(key, text, values);
+  return values;
+}
+
+}  // namespace
+
+bool has_several_values(const std::string& text) {
+  return text.find_first_of(",:") != std::string::npos;
+}
+
+OuterAxis to_outer_axis(const std::string& key, const std::string& text,
+                        const std::function<double(const std::string&)>& parse) {
+  if (text.find(':') == std::string::npos) {
+    const auto values = list_values(key, text, parse);
+    return {key, values, fmt::format("{}", fmt::join(values, ", "))};
+  }
+  const auto values = range_values(key, text, parse);
+  return {key, values, boost::erase_all_copy(text, " ")};
+}
+
+}  // namespace trebsweep

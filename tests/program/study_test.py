@@ -1,0 +1,486 @@
+"""Studies: sweeps over scenes. Each slice is the sweep of its scene alone, on any number of ranks, after kills, stops
+and damage; bad input is refused with a clear message.
+
+Needs TREBSWEEP (the program) and MPIEXEC in the environment. TREBSWEEP_KILLS and TREBSWEEP_SEED are as for
+resume_test.py.
+"""
+
+import os
+import shutil
+import signal
+import time
+import unittest
+
+import numpy as np
+
+import damage_test
+import resume_test
+from archives import differences, h5py
+from commands_test import CommandTest
+from support import DirectoryTest
+
+AXES = "projectile-mass = 50:200:75\nfulcrum-height = 1.7, 1.4,1.5 , 1.6\n"
+MASSES, HEIGHTS = (50, 125, 200), (1.4, 1.5, 1.6, 1.7)
+LATTICE = "[lattice]\nincrement = 0.03\n"
+OPTIMUM = resume_test.OPTIMUM
+NO_MAPS = ("--output.maps", "none", "--optimum.refine", "yes")
+QUIET = ("--progress", "none")
+
+
+class Slices(DirectoryTest):
+    """A study of 3 x 4 scenes, study.h5, and the sweeps of each scene alone."""
+
+    FIELDS = ("speed", "range", "slack", "status")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        settings = f"{LATTICE}[output]\nfields = {', '.join(cls.FIELDS)}\n"
+        cls.write("study.cfg", f"[scene]\n{AXES}{settings}")
+        cls.write("own.cfg", settings)
+        cls().run_program("sweep", "study.cfg", *QUIET)
+
+    def own(self, mass, height, *options):
+        """The archive of the sweep of one scene."""
+        name = f"{mass}_{height}_{len(options)}.h5"
+        if not os.path.exists(self.path(name)):
+            self.run_program("sweep", "own.cfg", *QUIET, "--scene.projectile-mass", str(mass), "--scene.fulcrum-height",
+                             str(height), "--output.file", name, *options)
+        return h5py.File(self.path(name))
+
+    def each_scene(self, *options):
+        """(index of the scene, archive of its own sweep) of all scenes."""
+        for i, mass in enumerate(MASSES):
+            for j, height in enumerate(HEIGHTS):
+                with self.own(mass, height, *options) as own, self.subTest(mass=mass, height=height):
+                    yield (i, j), own
+
+    def assert_optimum(self, study, scene, own, error):
+        for name in OPTIMUM:
+            expected = own.attrs[error if name == "best_error" else name]
+            if name == "best_error" and error == "error_at_optimum":  # with another reference
+                self.assertAlmostEqual(study[name][scene], expected, delta=1e-12)
+            else:
+                self.assertEqual(study[name][scene], expected, name)
+
+    def test_each_slice_is_the_sweep_of_its_scene(self):
+        with h5py.File(self.path("study.h5")) as study:
+            axes = [study[name][...] for name in ("r1", "r3", "r2")]
+            for scene, own in self.each_scene():
+                places = [np.searchsorted(axis, own[name]) for axis, name in zip(axes, ("r1", "r3", "r2"))]
+                for axis, place, name in zip(axes, places, ("r1", "r3", "r2")):
+                    self.assertEqual(axis[place].tobytes(), own[name][...].tobytes())
+                inside = np.ix_(*places)
+                outside = np.ones(study["status"].shape[2:], bool)
+                outside[inside] = False
+                self.assertTrue(outside.any())
+                for name in self.FIELDS:
+                    values = study[name][scene]
+                    self.assertEqual(values[inside].tobytes(), own[name][...].tobytes(), name)
+                    is_fill = np.isnan if values.dtype.kind == "f" else np.logical_not
+                    self.assertTrue(is_fill(values[outside]).all(), name)
+                self.assert_optimum(study, scene, own, "error_at_optimum")
+
+    def test_the_best_scene_and_the_counts_are_those_of_all_sweeps(self):
+        with h5py.File(self.path("study.h5")) as study:
+            best = np.unravel_index(np.argmax(study["best_value"]), study["best_value"].shape)
+            designs = steps = 0
+            for scene, own in self.each_scene():
+                designs += own.attrs["designs"]
+                steps += own.attrs["steps"]
+                if scene == best:
+                    for name in OPTIMUM[:-1]:
+                        self.assertEqual(study.attrs[name], own.attrs[name])
+            self.assertEqual((study.attrs["designs"], study.attrs["steps"]), (designs, steps))
+
+    def test_it_is_bitwise_the_same_on_any_number_of_ranks_and_compressed(self):
+        for ranks, options in ((2, ()), (3, ()), (1, ("--output.compression", "1")), (3, ("--output.compression", "1"))):
+            self.run_program("sweep", "study.cfg", *QUIET, "--output.file", "other.h5", "--overwrite", *options, ranks=ranks)
+            self.assertEqual(differences(self.path("other.h5"), self.path("study.h5")), [], (ranks, options))
+
+    def test_its_float32_maps_are_the_rounded_ones(self):
+        self.run_program("sweep", "study.cfg", *QUIET, "--output.file", "small.h5", "--output.storage", "float32", ranks=2)
+        with h5py.File(self.path("small.h5")) as small, h5py.File(self.path("study.h5")) as study:
+            for name in self.FIELDS:
+                values = study[name][...]
+                if values.dtype.kind == "f":
+                    values = values.astype(np.float32)
+                self.assertEqual(small[name][...].tobytes(), values.tobytes(), name)
+            for name in OPTIMUM:
+                self.assertEqual(small[name][...].tobytes(), study[name][...].tobytes(), name)
+
+    def test_without_maps_it_has_the_refined_optimum_of_each_sweep_on_any_number_of_ranks(self):
+        for ranks in (3, 2, 1):
+            self.run_program("sweep", "study.cfg", *QUIET, *NO_MAPS, "--output.file", f"none{ranks}.h5", ranks=ranks)
+            self.assertEqual(differences(self.path(f"none{ranks}.h5"), self.path("none3.h5")), [])
+        with h5py.File(self.path("none1.h5")) as study:
+            self.assertEqual([name for name in self.FIELDS if name in study], [])
+            for scene, own in self.each_scene(*NO_MAPS[2:]):
+                self.assert_optimum(study, scene, own, "refined_error")
+
+    def test_info_repeats_the_summary_of_the_sweep(self):
+        sweep = self.run_program("sweep", "study.cfg", *QUIET, *NO_MAPS, "--output.file", "info.h5", ranks=2).stdout
+        info = self.run_program("info", "info.h5").stdout
+        results = sweep[sweep.index("designs "):sweep.index("seconds ")]
+        self.assertIn("refined ", results)
+        self.assertIn(results, info)
+
+    def test_xarray_selects_scenes_by_value(self):
+        import xarray as xr  # slow to import
+        dimensions = ("projectile_mass", "fulcrum_height", "r1", "r3", "r2")
+        with self.own(125, 1.6) as own:
+            best = {name: own.attrs[f"best_{name}"] for name in ("value", "r1", "r3", "r2")}
+        for engine in ("netcdf4", "h5netcdf"):
+            with xr.open_dataset(self.path("study.h5"), engine=engine) as study:
+                self.assertEqual(study.speed.dims, dimensions)
+                self.assertEqual(study.status.dims, dimensions)
+                self.assertEqual(study.best_speed.dims, dimensions[:2])
+                self.assertEqual(study.projectile_mass.values.tolist(), list(MASSES))
+                self.assertEqual(study.fulcrum_height.values.tolist(), list(HEIGHTS))
+                self.assertEqual([study[name].units for name in dimensions], ["kg", "m", "m", "m", "m"])
+                self.assertIn("projectile", study.projectile_mass.long_name)
+                self.assertIn("fulcrum", study.fulcrum_height.long_name)
+                scene = study.sel(projectile_mass=125, fulcrum_height=1.6)
+                self.assertEqual(float(scene.best_value), best["value"])
+                self.assertEqual(float(scene.speed.max()), best["value"])
+                self.assertEqual(float(scene.speed.sel(r1=best["r1"], r3=best["r3"], r2=best["r2"])), best["value"])
+
+
+class Kills(resume_test.ResumeTest):
+    JOB_TEXT = f"[scene]\n{AXES}{LATTICE}{resume_test.JOB}"
+    VERSIONS = ((), resume_test.COMPRESSED, NO_MAPS)
+
+    def test_a_study_killed_repeatedly_produces_the_same_archive(self):
+        self.interrupt(resume_test.kill_all, (), lambda launcher, errors: None)
+
+    def test_a_compressed_study_killed_repeatedly_produces_the_same_archive(self):
+        self.interrupt(resume_test.kill_all, resume_test.COMPRESSED, lambda launcher, errors: None)
+
+    def test_a_study_without_maps_killed_repeatedly_produces_the_same_archive(self):
+        self.interrupt(resume_test.kill_all, NO_MAPS, lambda launcher, errors: None)
+
+
+class BadInput(CommandTest):
+    """Each is refused with exit code 2, one line that names the key, the value and what is allowed, and no file."""
+
+    DESIGN = ("--r1", "0.6", "--r2", "0.9", "--r3", "0.5")
+    TINY = ("--lattice.increment", "0.3")
+
+    def assert_axis_refused(self, text, *words, key="projectile-mass"):
+        self.assert_refused(["trace", self.job, *self.DESIGN, f"--scene.{key}={text}"], f"scene.{key} = ", *words)
+
+    def test_lists_that_are_empty_incomplete_or_repeat_a_value_are_refused(self):
+        for text in (",", " , ", "50,", ",50", "50,,60"):
+            self.assert_axis_refused(text, f"{text}: must be numbers separated by commas, or first:last:step")
+        for text in ("50, 60, 50", "50,5e1", "50, 50.00000000000000001"):
+            self.assert_axis_refused(text, f"{text}: must be numbers that differ; 50 is repeated")
+        for text in ("50 60", "50;60", "50, sixty", "[50, 60]"):
+            self.assert_axis_refused(text, "must be a number above 0")
+        self.write("empty.cfg", "[scene]\nprojectile-mass =\n")
+        self.assert_refused(["sweep", "empty.cfg"], "scene.projectile-mass = : must be a number above 0")
+
+    def test_a_value_out_of_range_among_good_ones_is_refused(self):
+        for text in ("50, -60", "50, 0, 60", "nan, 50", "50, 1e13", "0:100:50", "-50:50:50", "50:inf:50", "50:1e13:50"):
+            self.assert_axis_refused(text, "must be a number above 0, from 1e-12 to 1e+12")
+        self.assert_axis_refused("0, 1, 4", "= 4: must be a number from -3.14159265 to 3.14159265", key="sling-angle")
+
+    def test_malformed_ranges_are_refused(self):
+        for text in ("200:50:10", "50:49:1"):
+            self.assert_axis_refused(text, f"{text}: must be first:last:step with first <= last")
+        for text in (":", "::", "50:60", "50::10", ":60:10", "50:60:", "50:60:10:5", "50:60:0", "60:50:-10", "50:60:nan",
+                     "50:60:inf", "50:60:5, 70", "50, 60:70:5"):
+            self.assert_axis_refused(text, "must be first:last:step with a step above 0, or numbers separated by commas")
+        self.assert_axis_refused("50:200:70", "50:200:70: must be a range whose last value is an integer number of steps from "
+                                              "the first; the nearest are 190 and 260")
+        for text in ("1:1e12:1", "50:200:1e-300", "1:2:1e-9"):
+            self.assert_axis_refused(text, f"{text}: must be a range of at most 1000000 values")
+
+    def test_several_values_of_other_keys_are_refused(self):
+        for option in ("scene.beam-inertia=slender, prism", "scene.trough=no, yes", "solver.tolerance=1e-9, 1e-8",
+                       "solver.tolerance=1e-9:1e-8:1e-9", "solver.max-time=5, 10", "solver.stepper=vern7, vern8",
+                       "solver.max-steps=100, 200", "lattice.increment=0.1, 0.2", "lattice.increment=0.1:0.3:0.1",
+                       "lattice.shortest-sling=0.3, 0.4", "lattice.r1=0.6, 0.7", "output.compression=0, 1",
+                       "output.maps=all, none", "optimum.deviation=0, 0.01", "optimum.objective=speed, range",
+                       "optimum.refine=no, yes"):
+            key, text = option.split("=")
+            self.assert_refused(["sweep", self.job, f"--{option}"], f"{key} = {text}: must be ")
+
+    def test_more_than_a_million_scenes_are_refused_whatever_the_number_of_axes(self):
+        many = "1:1000000:1"
+        self.assert_refused(["sweep", self.job, "--scene.projectile-mass=1:1001:1", "--scene.fulcrum-height=1:2:0.001"],
+                            "scene.fulcrum-height = 1:2:0.001: must be fewer values", "1002001 scenes",
+                            "at most 1000000 are allowed")
+        keys = ("gravity", "counterweight-mass", "projectile-mass", "release-height", "fulcrum-height", "beam-density", "beam-side",
+                "pivot-viscosity", "pivot-friction", "sling-mass", "counterweight-hanger", "projectile-diameter", "wind")
+        start = time.time()
+        self.assert_refused(["sweep", self.job, *(f"--scene.{key}={many}" for key in keys)],
+                            f"scene.counterweight-mass = {many}: must be fewer values", "1000000000000 scenes")
+        self.assertLess(time.time() - start, 5)
+
+    def test_maps_that_do_not_fit_the_disk_are_refused(self):
+        study = ["sweep", self.job, "--lattice.increment=0.01", "--output.fields=speed"]
+        free = shutil.disk_usage(self.directory).free
+        scenes = int(free / 8e6) + 2  # of 1.7 million cells, 3/5 of them in tiles
+        self.assertLess(scenes, 1e6)
+        self.assert_refused([*study, f"--scene.projectile-mass=1:{scenes}:1"], "output.file = job.h5: needs at least", "available",
+                            "output.maps = none")
+
+    def test_scenes_without_a_design_are_named(self):
+        for options, words in ((("fulcrum-height=1.6, 1.4", "release-height=2.9"),
+                                ("scene.release-height = 2.9 leaves no design", "(in the scene with fulcrum-height = 1.4 m)")),
+                               (("fulcrum-height=1.4:1.6:0.1", "release-height=2, 2.9"),
+                                ("choose a height below 2.8 m",
+                                 "(in the scene with release-height = 2.9 m, fulcrum-height = 1.4 m)")),
+                               (("counterweight-hanger=0, 0.2, 1.6",),
+                                ("scene.counterweight-hanger = 1.6 leaves no design", "counterweight-hanger = 1.6 m)"))):
+            self.assert_refused(["sweep", self.job, *(f"--scene.{option}" for option in options)], *words)
+
+    def test_rules_that_a_scene_breaks_are_reported_with_it(self):
+        lattice = ("--lattice.r1=0.4", "--lattice.r3=0.9", "--lattice.r2=1.2")
+        self.assert_refused(["sweep", self.job, *lattice, "--scene.trough=yes", "--scene.trough-height=0.1, 1.4",
+                             "--scene.fulcrum-height=1.3, 1.5"],
+                            "scene.trough-height = 1.4: must be below scene.fulcrum-height = 1.3 (in the scene with "
+                            "fulcrum-height = 1.3 m, trough-height = 1.4 m)")
+        self.assert_refused(["sweep", self.job, "--scene.sling-stiffness=0, 1e6", "--scene.sling-damping=5"],
+                            "scene.sling-damping = 5: must be 0", "(in the scene with sling-stiffness = 0 N/m)")
+        self.assert_refused(["sweep", self.job, "--scene.beam-side=0, 0.1", "--output.fields=peak-beam-stress"],
+                            "output.fields = peak-beam-stress: must be left out", "(in the scene with beam-side = 0 m)")
+        self.assert_refused(["sweep", self.job, "--scene.wind=0, 3"], "scene.wind = 0, 3: must be left out unless")
+
+    def test_a_target_error_is_refused_with_several_scenes(self):
+        self.assert_refused(["sweep", self.job, "--scene.projectile-mass=50, 60", "--solver.target-error=1e-6"],
+                            "solver.target-error = 1e-06: must be left out", "scene.projectile-mass has several values",
+                            "give solver.tolerance")
+
+    def test_commands_for_one_scene_name_the_key_and_the_remedy(self):
+        axes = ("--scene.projectile-mass=50, 60", "--scene.wind=0:3:1", "--scene.projectile-diameter=0.1")
+        for command, words in ((["trace", self.job, *self.DESIGN], ("trace integrates one scene",)),
+                               (["assess", self.job], ("assess takes one scene",)),
+                               (["optimum", self.job], ("--output.maps none", "--optimum.refine yes"))):
+            self.assert_refused([*command, *axes], "scene.projectile-mass = 50, 60: must be a single number", *words)
+
+
+class OddAxes(CommandTest):
+    """Odd but valid values."""
+
+    TINY = BadInput.TINY
+
+    def axes(self, *options, job=None):
+        """{name: values} of the outer axes of a study with a coarse lattice, whose maps hold numbers in each scene."""
+        self.run_program("sweep", job or self.job, *self.TINY, *QUIET, "--overwrite", *options)
+        name = os.path.splitext(os.path.basename(job or self.job))[0] + ".h5"
+        with h5py.File(self.path(name)) as study:
+            speed = study["speed"]
+            names = [dimension.keys()[0] for dimension in speed.dims][:-3]
+            self.assertTrue(np.isfinite(speed[...]).any(axis=(-3, -2, -1)).all())
+            return {name: study[name][...].tolist() for name in names}
+
+    def test_lists_are_sorted_and_may_have_spaces(self):
+        for text in ("60,50", " 60 , 50 ", "60, 50", "+60,5e1"):
+            self.assertEqual(self.axes(f"--scene.projectile-mass={text}"), {"projectile_mass": [50, 60]})
+
+    def test_ranges_with_one_value_and_spaces_are_axes(self):
+        self.assertEqual(self.axes("--scene.projectile-mass=50:50:1"), {"projectile_mass": [50]})
+        self.assertEqual(self.axes("--scene.projectile-mass= 50 : 60 : 5 "), {"projectile_mass": [50, 55, 60]})
+
+    def test_values_may_be_negative_or_zero(self):
+        self.assertEqual(self.axes("--scene.sling-angle=-0.5:0.5:0.5"), {"sling_angle": [-0.5, 0, 0.5]})
+        self.assertEqual(self.axes("--scene.wind=-3, 0, 3", "--scene.projectile-diameter=0, 0.1"),
+                         {"projectile_diameter": [0, 0.1], "wind": [-3, 0, 3]})
+
+    def test_axes_are_in_the_order_of_the_keys(self):
+        self.assertEqual(list(self.axes("--scene.sling-mass=0, 1", "--scene.fulcrum-height=1.4, 1.5", "--scene.gravity=9.8, 3.7")),
+                         ["gravity", "fulcrum_height", "sling_mass"])
+
+    def test_optional_keys_are_axes(self):
+        self.assertEqual(self.axes("--scene.start-angle=0.5, 0.7"), {"start_angle": [0.5, 0.7]})
+        self.assertEqual(self.axes("--scene.beam-mass=5, 6", "--scene.beam-centre=-0.1, 0.4", "--scene.beam-moment=2"),
+                         {"beam_mass": [5, 6], "beam_centre": [-0.1, 0.4]})
+
+    def test_effects_that_are_zero_in_some_scenes_leave_the_others_bitwise_the_same(self):
+        effects = {"counterweight-hanger": (0, 0.2), "pivot-friction": (0, 10), "sling-mass": (0, 1)}
+        self.axes(*(f"--scene.{key}={first}, {second}" for key, (first, second) in effects.items()))
+        with h5py.File(self.path("job.h5")) as study:
+            for scene in ((0, 0, 0), (1, 0, 1), (1, 1, 1)):
+                # In the order of the keys.
+                values = {"pivot-friction": scene[0], "sling-mass": scene[1], "counterweight-hanger": scene[2]}
+                self.run_program("sweep", self.job, *self.TINY, *QUIET, "--output.file", "own.h5", "--overwrite",
+                                 *(f"--scene.{key}={effects[key][i]}" for key, i in values.items()))
+                with h5py.File(self.path("own.h5")) as own:
+                    places = np.ix_(*(np.searchsorted(study[name], own[name]) for name in ("r1", "r3", "r2")))
+                    self.assertEqual(study["speed"][scene][places].tobytes(), own["speed"][...].tobytes())
+
+    def test_an_option_replaces_an_axis_by_a_value_and_the_reverse(self):
+        job = self.write("masses.cfg", "[scene]\nprojectile-mass = 50, 60\n")
+        self.assertEqual(self.axes(job=job), {"projectile_mass": [50, 60]})
+        self.assertEqual(self.axes("--scene.projectile-mass=55", job=job), {})
+        self.assertEqual(self.axes("--scene.projectile-mass=70, 80", job=job), {"projectile_mass": [70, 80]})
+        self.assertEqual(self.axes("--scene.gravity=9.7, 9.8"), {"gravity": [9.7, 9.8]})
+        self.run_program("trace", job, *BadInput.DESIGN, "--scene.projectile-mass=55")
+
+    def test_the_stored_job_of_a_study_reproduces_it(self):
+        self.axes("--scene.projectile-mass=70, 50", "--scene.gravity=9:10:0.5")
+        with h5py.File(self.path("job.h5")) as study:
+            again = self.write("again.cfg", study.attrs["job"])
+        self.run_program("sweep", again, *QUIET, "--output.file", "again.h5")
+        self.assertEqual(differences(self.path("again.h5"), self.path("job.h5")), [])
+
+    def test_an_axis_may_have_ten_thousand_values_given_one_by_one(self):
+        masses = [i + 0.123456 for i in range(1, 10001)]
+        job = self.write("many.cfg", f"[scene]\nprojectile-mass = {', '.join(map(str, masses))}\n")
+        done = self.run_program("sweep", job, *self.TINY, *QUIET, "--output.maps=none")
+        self.assertIn("scenes    10000", done.stdout)
+        with h5py.File(self.path("many.h5")) as study:
+            self.assertEqual(study["projectile_mass"][...].tolist(), masses)
+            self.assertTrue(np.isfinite(study["best_value"][...]).all())
+        self.assertIn("scenes    10000", self.run_program("info", "many.h5").stdout)
+
+    def test_help_mentions_studies_and_maps(self):
+        text = " ".join(self.run_program("sweep", "--help").stdout.split())
+        for words in ("study", "--output.maps", "one of all, none"):
+            self.assertIn(words, text)
+
+
+class Stops(resume_test.ResumeTest):
+    JOB_TEXT = Kills.JOB_TEXT
+    VERSIONS = ((), NO_MAPS)
+
+    def continue_with_limits(self, options):
+        """Stops a study by its time limit, checks its description, and continues it in slices of time to its end."""
+        self.assert_reported_once(self.stop_partway(*options), "the same command continues")
+        self.assert_sound(options)
+        text = self.run_program("info", "job.h5").stdout
+        self.assertRegex(text, r"job\.h5\.partial, unfinished, \d+\.\d % of the tiles done; interrupted: run the command")
+        self.assertRegex(text, r"lattice +118 x 47 x 46 \(r1 x r3 x r2\), 389028 designs in 12 scenes")
+        with h5py.File(self.path("job.h5.partial")) as partial:
+            known = int((~np.isnan(partial["best_value"][...])).sum())
+        if 0 < known < 12:
+            self.assertRegex(text, rf"scenes +12, {12 - known} not done or without an optimum")
+        self.run_program("info", "job.h5", "--verify")
+        for _ in range(50):
+            launcher = self.launch(2, *options, "--time-limit", f"{self.sweep_seconds[()] / 2:.2f}")
+            errors = self.finish(launcher, codes=(0, 75))
+            if launcher.returncode == 0:
+                break
+            self.assert_stopped(launcher, errors)
+            self.assert_sound(options)
+        self.assert_complete(options)
+
+    def test_a_study_stopped_by_its_time_limit_continues(self):
+        self.continue_with_limits(())
+
+    def test_a_study_without_maps_stopped_by_its_time_limit_continues(self):
+        self.continue_with_limits(NO_MAPS)
+
+    def test_a_study_stopped_by_sigterm_continues(self):
+        def strike(_, ranks):
+            for rank in ranks:
+                os.kill(rank, signal.SIGTERM)
+
+        self.interrupt(lambda launcher: self.strike_when_up(launcher, strike), (), self.assert_stopped)
+
+    def test_a_study_with_other_values_is_another_job(self):
+        self.stop_partway()
+        before = self.read("job.h5.partial")
+        for option, there, here in (("--scene.projectile-mass=50:200:50", "50:200:75", "50:200:50"),
+                                    ("--scene.projectile-mass=50", "50:200:75", "50"),
+                                    ("--scene.fulcrum-height=1.4, 1.5, 1.6, 1.8", "1.4, 1.5, 1.6, 1.7", "1.4, 1.5, 1.6, 1.8"),
+                                    ("--scene.gravity=9.8, 9.9", "9.8", "9.8, 9.9"),
+                                    ("--output.maps=none", "all", "none"),
+                                    ("--solver.check=no", "yes", "no")):  # decides whether optima have an error
+            key = option[2:].split("=")[0]
+            errors = self.run_sweep(2, option, codes=(2,))
+            self.assert_reported_once(errors, "job.h5.partial", f"{key} = {there} there, {here} here")
+            self.assertEqual(self.read("job.h5.partial"), before)
+
+
+class Damage(damage_test.DamageTest):
+    """Flipped bits in a study's maps, in the optima of its scenes and in its tallies."""
+
+    JOB_TEXT = f"[scene]\n{AXES}{damage_test.JOB}"
+    SCENES = 12
+
+    def last_tiles(self):
+        """The number of the last tile of each scene."""
+        with h5py.File(self.path("plain0.h5")) as study:
+            best = study["tile_checksum"].attrs["columns"].split().index("best")
+            return np.flatnonzero(study["tile_checksum"][:, best]).tolist()
+
+    def flip_number(self, name, dataset, index):
+        """Flips a random bit of a number in a contiguous dataset, in the file."""
+        with h5py.File(self.path(name)) as archive:
+            data = archive[dataset]
+            place = data.id.get_offset() + data.dtype.itemsize * int(np.ravel_multi_index(index, data.shape))
+            size = data.dtype.itemsize
+        with open(self.path(name), "r+b") as file:
+            file.seek(place)
+            number = bytearray(file.read(size))
+            number[self.random.randrange(size)] ^= 1 << self.random.randrange(8)
+            file.seek(place)
+            file.write(number)
+
+    def damage(self, name, last):
+        """Damages each kind of data in tiles up to `last`. Returns what info --verify must report."""
+        ends = [tile for tile in self.last_tiles() if tile <= last]
+        found = {(map_name, tile) for map_name, tile in zip(damage_test.FIELDS, self.random.sample(range(last + 1), len(damage_test.FIELDS)))}
+        for map_name, tile in found:
+            self.flip(name, map_name, tile)
+        for dataset, scene in zip(resume_test.OPTIMUM, self.random.sample(range(len(ends)), min(len(ends), 3))):
+            self.flip_number(name, dataset, np.unravel_index(scene, (len(MASSES), len(HEIGHTS))))
+            found.add(("best", ends[scene]))
+        tally = self.random.randrange(last + 1)
+        self.flip_number(name, "tile_tally", (tally, 10))
+        return found | {("tile_tally", tally)}
+
+    def make_partial(self, compression, done):
+        """Makes job.h5.partial, of which only the first tiles are done."""
+        self.write("job.h5.partial", self.read(f"plain{compression}.h5"))
+        with h5py.File(self.path("job.h5.partial"), "r+") as partial:
+            for name in ("tile_done", "tile_tally", "tile_checksum"):
+                partial[name][done:] = 0
+            for scene, last in enumerate(self.last_tiles()):
+                if last >= done:
+                    for name in resume_test.OPTIMUM:
+                        partial[name][np.unravel_index(scene, partial[name].shape)] = np.nan
+
+    def test_damage_of_maps_optima_and_tallies_is_found(self):
+        for compression in (0, 1):
+            name = f"plain{compression}.h5"
+            whole = self.read(name)
+            self.assertEqual(len(self.last_tiles()), self.SCENES)
+            self.assertEqual(self.verify(name), set())
+            for _ in range(5):
+                damage = self.damage(name, self.tiles(name) - 1)
+                self.assertEqual(self.verify(name), damage)
+                self.write(name, whole)
+
+    def test_the_report_names_the_scene(self):
+        whole = self.read("plain0.h5")
+        self.flip_number("plain0.h5", "best_r2", (1, 2))
+        text = self.run_program("info", "plain0.h5", "--verify", code=1).stdout
+        self.assertIn(f"damaged   best, tile {self.last_tiles()[6]}: projectile-mass = 125 kg, fulcrum-height = 1.6 m, r1 = ", text)
+        self.write("plain0.h5", whole)
+
+    def test_a_resumed_study_repairs_damaged_maps_optima_and_tallies(self):
+        for i, compression in enumerate((0, 1, 0, 1)):
+            tiles = self.tiles(f"plain{compression}.h5")
+            done = (tiles, tiles // 2)[i // 2]
+            self.make_partial(compression, done)
+            damage = self.damage("job.h5.partial", done - 1)
+            self.assertEqual(self.verify("job.h5.partial"), damage)
+            self.assertEqual(self.repair(compression, ranks=(1, 2, 3)[i % 3]), ranges_text({tile for _, tile in damage}))
+
+
+def ranges_text(numbers):
+    """Numbers as the program lists them: "2 to 3, 7"."""
+    runs = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][1] + 1:
+            runs[-1][1] = number
+        else:
+            runs.append([number, number])
+    return ", ".join(f"{first}" if first == last else f"{first} to {last}" for first, last in runs)
+
+
+if __name__ == "__main__":
+    unittest.main()
