@@ -1,16 +1,22 @@
 """Reads archives of trebsweep: axes, maps, which tiles are done, and the optimum."""
 
 import contextlib
+import copy
 import os
 import signal
+import sys
 
-from program import fail, note, refuse  # before modules that may be missing
+from program import existing, fail, note, refuse  # before modules that may be missing
 
 import h5py
 import numpy as np
 
+from job import job_text
+from lattice import lattice_in_box, tiles_with_designs, whole_lattice
+
 AXES = ("r1", "r3", "r2")
 WHOLE_LATTICE = (slice(None),) * len(AXES)
+OPTIMUM = ("value", "speed", *AXES, "release_time", "error")  # best_...: datasets of a study
 
 
 @contextlib.contextmanager
@@ -44,66 +50,210 @@ class Archive:
 
     Only the dataset tile_done decides what is complete: cells of tiles that are not done read as
     NaN (maps of numbers) or 0 (maps of flags), whatever the file holds there.
+
+    The archive of a study has outer axes. scene() selects one of its scenes, and the result behaves
+    like the archive of that scene alone. Maps and optimum can only be read from one scene.
+
+    outer_axes  {dataset: values} of the axes over scenes
+    scenes      the numbers of the scenes, an array over the outer axes
+    axes        {name: values in m} of r1, r3, r2; in a study, those of all scenes
+    shape       their lengths
+    done        whether each tile is done
     """
 
     def __init__(self, path):
-        """Opens the archive at `path`; ends the program with a message if it is not one."""
-        self.path = path
+        """Opens the archive at `path`, or its partial archive if only this one exists; ends the
+        program with a message if it is not one."""
+        self.path = path = existing(path)
         with limited_cpu_time():
             self.file = open_file(path)
             with reading(path, "is damaged"):
                 missing = [name for name in (*AXES, "tile_done") if name not in self.file]
                 if missing:
                     fail(f"{path}: is not an archive of trebsweep: it has no {missing[0]}")
-                self.axes = {name: self._axis(name) for name in AXES}
-                self.shape = tuple(map(len, self.axes.values()))
-                self.fields = [name for name, item in self.file.items()
-                               if isinstance(item, h5py.Dataset) and item.shape == self.shape]
-                if not self.fields:
-                    raise ValueError("it has no map of its lattice")
                 self.attributes = dict(self.file.attrs)
                 self.job = parse_job(str(self.attributes["job"]))
-                self.done = self.file["tile_done"][...] == 1
+                self.axes = self.box = {name: self._axis(name) for name in AXES}
+                self.outer_axes = {name: self._axis(name) for name in outer_names(self.job)}
+                self.in_study = bool(self.outer_axes)
+                self.shape = tuple(map(len, self.axes.values()))
+                self.outer_shape = tuple(map(len, self.outer_axes.values()))
+                self.scenes = np.arange(np.prod(self.outer_shape, dtype=int)).reshape(
+                    self.outer_shape)
+                self.selected = {}  # {dataset: value} of the outer axes that select() removed
+                self.fields = [name for name, item in self.file.items() if isinstance(
+                    item, h5py.Dataset) and item.shape == (*self.outer_shape, *self.shape)]
+                if not self.fields and self.job.get(("output", "maps")) != "none":
+                    raise ValueError("it has no map of its lattice")
+                self.done = self.tile_done = self.file["tile_done"][...] == 1
                 self.edge = tuple(int(self.file["tile_done"].attrs[f"edge_{name}"])
                                   for name in AXES)
-                self.blank_tiles = self._blank_tiles()
-        if not self.complete:
-            note(f"{path}: {self.progress()}; the rest is left blank")
+                self._number_tiles()
+                if not self.in_study:
+                    self._enter_scene()
+        if not self.in_study:
+            self.report_progress()
 
     def _axis(self, name):
-        """The values of an axis, m."""
+        """The values of an axis."""
         values = self.file[name][...]
         if values.ndim != 1 or not values.size or not np.isfinite(values).all() or (
                 np.diff(values) <= 0).any():
             raise ValueError(f"{name} is not an axis of increasing values")
         return values
 
-    def _blank_tiles(self):
-        """Whether each tile holds designs that are not done, as an array (r1, r3, r2) of bool."""
+    def _number_tiles(self):
+        """Finds the different lattices of the scenes, that of each scene, and its first tile."""
         if min(self.edge) < 1 or self.done.ndim != 1 or not self.done.size:
             raise ValueError("tile_done has invalid tiles")
-        tiles = [range(0, n, edge) for n, edge in zip(self.shape, self.edge)]
-        blank = np.zeros([len(firsts) for firsts in tiles], bool)
-        if self.complete:
-            return blank
-        # Tiles are numbered along r2, then r3, then r1. Rows never become longer with r3,
-        # so a tile holds a design if its lowest corner does.
-        row = self._row_lengths()[tiles[1]]
-        holds = np.broadcast_to(row[:, np.newaxis] > np.array(tiles[2]), blank.shape)
-        if np.count_nonzero(holds) != self.done.size:
+        heights = ("fulcrum-height", "release-height", "counterweight-hanger")
+        values, self.lattice_of = np.unique(
+            [self.scene_values(key).ravel() for key in heights], axis=1, return_inverse=True)
+        if self.in_study:
+            self.lattices = [lattice_in_box(
+                {**self.job, **{("scene", key): x for key, x in zip(heights, column)}}, self.box)
+                for column in values.T]
+        else:
+            self.lattices = [whole_lattice(self.job, self.box)]
+        tiles = np.array([np.count_nonzero(tiles_with_designs(lattice, self.shape, self.edge))
+                          for lattice in self.lattices])
+        self.first_tile = np.concatenate([[0], np.cumsum(tiles[self.lattice_of.ravel()])])
+        if self.first_tile[-1] != self.done.size:
             raise ValueError(f"tile_done has {self.done.size} tiles instead of "
-                             f"{np.count_nonzero(holds)}")
-        blank[holds] = ~self.done
-        return blank
+                             f"{self.first_tile[-1]}")
 
-    def _row_lengths(self):
-        """The number of values of r2 in the lattice for each r3: those with r2 < h0 - r3, unless
-        the job gives r2."""
-        if ("lattice", "r2") in self.job:
-            return np.full(self.shape[1], self.shape[2])
-        r2 = self.axes["r2"]
-        longest = float(self.job["scene", "fulcrum-height"]) - self.axes["r3"]
-        return np.searchsorted(r2, longest - 1e-6 * r2[0])  # the tolerance of the program, in steps
+    def _enter_scene(self):
+        """Restricts axes and tiles to the only scene that is left."""
+        self.lattice = self.lattices[self.lattice_of.ravel()[self.scenes.item()]]
+        self.axes = {name: self.box[name][own] for name, own in zip(AXES, self.lattice.own)}
+        box = tuple(map(len, self.box.values()))
+        self.shape = tuple(map(len, self.axes.values()))
+        self.outer_index = tuple(map(int, np.unravel_index(self.scenes.item(), self.outer_shape)))
+        self.first_cell = self.scenes.item() * int(np.prod(box))
+        holds = tiles_with_designs(self.lattice, box, self.edge)
+        self.blank_tiles = np.zeros(holds.shape, bool)
+        self.blank_tiles[holds] = ~self.done
+
+    def select(self, at, option="at"):
+        """The archive without some outer axes: those of `at`, pairs (key, value), and those with
+        one value. Ends the program, with a message about `option`, if the study has no such scene.
+        """
+        view = copy.copy(self)
+        for key, value in at:
+            name = key.replace("-", "_")
+            if not self.in_study:
+                refuse(option, f"{key}={value:g}",
+                       f"must be left out: {self.path} is not a study")
+            if name not in view.outer_axes:
+                refuse(option, f"{key}={value:g}",
+                       f"must name an outer axis of {self.path}, each once: "
+                       + ", ".join(map(key_of, self.outer_axes)))
+            if value not in view.outer_axes[name]:
+                refuse(option, f"{key}={value:g}", f"must be one of {view.values_text(name)}")
+            view._take(name, value)
+        for name, values in self.outer_axes.items():
+            if len(values) == 1 and name in view.outer_axes:
+                view._take(name, values[0])
+        view.selected = {**self.selected, **{name: view.selected[name] for name in self.outer_axes
+                                             if name in view.selected}}
+        if self.in_study:
+            view._enter_selection()
+            view.report_progress()
+        return view
+
+    def _take(self, name, value):
+        """Selects a value of an outer axis."""
+        axis = list(self.outer_axes).index(name)
+        index = int(np.flatnonzero(self.outer_axes[name] == value)[0])
+        self.scenes = self.scenes.take(index, axis)
+        self.outer_axes = {other: x for other, x in self.outer_axes.items() if other != name}
+        self.selected = {**self.selected, name: float(value)}
+        self.job = {**self.job, ("scene", key_of(name)): plain_number(value)}
+
+    def _enter_selection(self):
+        """Restricts what is done, and the job, to the scenes that are left."""
+        self.attributes = {**self.attributes, "job": job_text(self.job)}
+        self.done = np.concatenate([self.tile_done[slice(*self.first_tile[[n, n + 1]])]
+                                    for n in self.scenes.ravel()])
+        if not self.outer_axes:
+            self._enter_scene()
+
+    def scene(self, at=(), option="at"):
+        """The archive of one scene; ends the program, with a message about `option`, unless `at`
+        selects one."""
+        view = self.select(at, option)
+        if view.outer_axes:
+            axes = " and ".join(f"{key_of(name)} ({view.values_text(name)})"
+                                for name in view.outer_axes)
+            choice = " ".join(f"--{option} {key_of(name)}={values[0]:.15g}"
+                              for name, values in view.outer_axes.items())
+            note(f"{self.path}: is a study over {axes}; choose a scene, such as {choice}")
+            sys.exit(2)
+        return view
+
+    def restricted(self, indices):
+        """The archive of a scene with only some values of its axes, given by their indices."""
+        view = copy.copy(self)
+        view.lattice = self.lattice._replace(
+            own=[own[index] for own, index in zip(self.lattice.own, indices)])
+        view.axes = {name: values[index]
+                     for (name, values), index in zip(self.axes.items(), indices)}
+        view.shape = tuple(map(len, view.axes.values()))
+        return view
+
+    def indices_between(self, name, first, last):
+        """The indices of an axis's values in [first, last]; ends the program if there is none."""
+        values = self.outer_axes[name] if name in self.outer_axes else self.box[name]
+        slack = 1e-9 * max(abs(first), abs(last))
+        index = np.flatnonzero((values >= first - slack) & (values <= last + slack))
+        if not index.size:
+            refuse("box", f"{key_of(name)}={first:g}:{last:g}",
+                   f"must hold a value of the axis, from {values[0]:g} to {values[-1]:g} "
+                   f"{self.unit(name)}".rstrip())
+        return index
+
+    def between(self, name, first, last):
+        """The archive without the values of an outer axis outside [first, last]; ends the program
+        if none is left."""
+        view = copy.copy(self)
+        index = self.indices_between(name, first, last)
+        view.scenes = self.scenes.take(index, list(self.outer_axes).index(name))
+        view.outer_axes = {**self.outer_axes, name: self.outer_axes[name][index]}
+        return view
+
+    def with_first(self, name):
+        """The archive with an outer axis moved before the others."""
+        view = copy.copy(self)
+        view.scenes = np.moveaxis(self.scenes, list(self.outer_axes).index(name), 0)
+        view.outer_axes = {name: self.outer_axes[name], **self.outer_axes}
+        return view
+
+    def each_scene(self):
+        """The archives of the scenes, the last outer axis fastest."""
+        for index in np.ndindex(self.scenes.shape):
+            view = copy.copy(self)
+            for (name, values), i in zip(self.outer_axes.items(), index):
+                view._take(name, values[i])
+            view._enter_selection()
+            yield view
+
+    def scene_values(self, key):
+        """The values of a number of [scene] in the scenes, an array over the outer axes."""
+        name = key.replace("-", "_")
+        if name not in self.outer_axes:
+            return np.full(self.scenes.shape, float(self.job.get(("scene", key), 0)))
+        axis = list(self.outer_axes).index(name)
+        values = self.outer_axes[name].reshape([-1 if i == axis else 1
+                                                for i in range(self.scenes.ndim)])
+        return np.broadcast_to(values, self.scenes.shape)
+
+    def optima(self):
+        """{column of OPTIMUM: values} of the scenes, arrays over the outer axes; NaN where a scene
+        is not done or has no optimum."""
+        with reading(self.path, "is damaged"):
+            done = np.logical_and.reduceat(self.tile_done, self.first_tile[:-1])
+            return {name: np.where(done, self.file[f"best_{name}"][...].ravel(), np.nan)[
+                self.scenes] for name in OPTIMUM}
 
     @property
     def complete(self):
@@ -114,6 +264,11 @@ class Archive:
         """The progress of an unfinished archive, as text."""
         return f"unfinished: {self.done.sum()} of {self.done.size} tiles done"
 
+    def report_progress(self):
+        """Prints the progress of an unfinished archive on stderr."""
+        if not self.complete:
+            note(f"{self.path}: {self.progress()}; the rest is left blank")
+
     @property
     def free_axes(self):
         """The axes with more than one value."""
@@ -122,9 +277,19 @@ class Archive:
     def field(self, name):
         """The name of a field's dataset; ends the program if the archive has no such map."""
         dataset = name.replace("-", "_")
+        if not self.fields:
+            fail(f"{self.path}: has no maps (output.maps = none)")
         if dataset not in self.fields:
             maps = ", ".join(self.fields)
             refuse("field", name, f"{self.path} has no map {dataset}; must be one of {maps}")
+        return dataset
+
+    def number_field(self, name):
+        """The same; also ends the program if the map holds flags."""
+        dataset = self.field(name)
+        if not self.is_number(dataset):
+            numbers = ", ".join(field for field in self.fields if self.is_number(field))
+            refuse("field", name, f"holds flags; must be a map of numbers: {numbers}")
         return dataset
 
     def is_number(self, field):
@@ -134,18 +299,25 @@ class Archive:
     def read(self, field, where=WHOLE_LATTICE):
         """The values of a map at `where`, an index or a slice per axis; NaN or 0 where not done."""
         with reading(self.path, f"cannot read map {field}"):
-            values = self.file[field][where]
-        tiles = np.ix_(*(np.atleast_1d(np.arange(n)[w]) // edge
-                         for n, w, edge in zip(self.shape, where, self.edge)))
+            places = [own[w] for own, w in zip(self.lattice.own, where)]
+            ranges = [place if place.ndim == 0 else slice(place[0], place[-1] + 1)
+                      for place in places]
+            values = self.file[field][(*self.outer_index, *ranges)]
+            for axis, place in enumerate(place for place in places if place.ndim):
+                if len(place) < values.shape[axis]:  # they need not be consecutive in the archive
+                    values = values.take(place - place[0], axis)
+        tiles = np.ix_(*(np.atleast_1d(place) // edge for place, edge in zip(places, self.edge)))
         blank = self.blank_tiles[tiles].reshape(np.shape(values))
         return np.where(blank, np.array(np.nan if self.is_number(field) else 0, values.dtype),
                         values)
 
     def tallies(self):
-        """{column: values} of tile_tally in the tiles that are done."""
+        """{column: values} of tile_tally in the tiles of the scene that are done."""
         with reading(self.path, "is damaged"):
             tally = self.file["tile_tally"]
-            return dict(zip(str(tally.attrs["columns"]).split(), tally[...][self.done].T))
+            first = self.first_tile[self.scenes.item()]
+            rows = tally[first:first + self.done.size][self.done]
+            return dict(zip(str(tally.attrs["columns"]).split(), rows.T))
 
     @property
     def objective(self):
@@ -157,14 +329,20 @@ class Archive:
     @property
     def refined(self):
         """Whether the optimum lies between the designs of the lattice (optimum.refine = yes)."""
+        if self.in_study:
+            return self.complete and self.job.get(("optimum", "refine")) == "yes"
         return np.isfinite(self.attributes.get("refined_error", np.nan))
 
     def optimum(self):
         """({axis: value in m}, value of the objective) of the optimum so far, or None.
 
         Unless it is refined, it comes from the tallies of the tiles: the root attributes hold it
-        only after the last.
+        only after the last. That of a scene of a study is stored when its tiles are done.
         """
+        if self.in_study and self.complete:
+            best = {name: value.item() for name, value in self.optima().items()}
+            return None if np.isnan(best["value"]) else (
+                {name: best[name] for name in AXES}, best["value"])
         if self.refined:
             return ({name: float(self.attributes[f"best_{name}"]) for name in AXES},
                     float(self.attributes["best_value"]))
@@ -176,7 +354,9 @@ class Archive:
             cells, values = (rows[name][found] for name in (
                 "best_cell", "best_value" if "best_value" in rows else "best_speed"))
             cell = int(cells[values == values.max()].min())  # the first of equals
-            return self.design(np.unravel_index(cell, self.shape)), float(values.max())
+            index = np.unravel_index(cell - self.first_cell, tuple(map(len, self.box.values())))
+            return ({name: float(self.box[name][i]) for name, i in zip(AXES, index)},
+                    float(values.max()))
 
     def design(self, index):
         """{axis: value in m} of the design with an index (i1, i3, i2)."""
@@ -224,16 +404,33 @@ class Archive:
         between = ", between the designs" if self.refined else ""
         return f"{amount} at {design_text(design)}{between}"
 
+    def conditions(self):
+        """The conditions that the optimum satisfies, as texts."""
+        texts = {"with a taut sling": self.job.get(("output", "optimum")) == "taut",
+                 "within the constraints": self.job.get(("optimum", "subject-to"))}
+        return [text for text, applies in texts.items() if applies]
+
     def best_word(self):
         """What the optimum is among the designs, such as "fastest with a taut sling"."""
         word = "fastest" if self.objective[0] == "speed" else "optimum"
-        if self.job.get(("output", "optimum")) == "taut":
-            word += " with a taut sling"
-        return word + (" within the constraints" if self.job.get(("optimum", "subject-to")) else "")
+        return " ".join([word, *self.conditions()])
+
+    def with_scene(self, name):
+        """A name of the archive, followed by the outer axes' values selected."""
+        texts = [f"{key_of(axis)} = {value:.6g} {self.unit(axis)}".rstrip()
+                 for axis, value in self.selected.items()]
+        return ", ".join([name, *texts])
 
     def name(self):
-        """The file's name without directory and suffix."""
-        return os.path.basename(stem(self.path))
+        """The file's name without directory and suffix, and the outer axes' values selected."""
+        return self.with_scene(os.path.basename(stem(self.path)))
+
+    def values_text(self, name):
+        """The values of an outer axis as text: "50, 60, 70, ..., 200 kg"."""
+        texts = [f"{value:.15g}" for value in self.outer_axes[name]]
+        if len(texts) > 8:
+            texts[3:-1] = ["..."]
+        return f"{', '.join(texts)} {self.unit(name)}".rstrip()
 
     def attribute(self, dataset, name, default=""):
         """A text attribute of a dataset."""
@@ -247,6 +444,10 @@ class Archive:
     def long_name(self, field):
         """The description of a map or an axis."""
         return self.attribute(field, "long_name", field.replace("_", " "))
+
+    def short_name(self, axis):
+        """The same without remarks in brackets or after ", where"."""
+        return self.long_name(axis).split(" (")[0].split(", where")[0]
 
     def meanings(self, field):
         """The meanings of the flags 0, 1, ... of a map."""
@@ -268,6 +469,22 @@ def parse_job(text):
     return values
 
 
+def outer_names(job):
+    """The datasets of a job's outer axes: the keys of [scene] with several values."""
+    return [key.replace("-", "_") for (section, key), value in job.items()
+            if section == "scene" and key != "file" and (":" in value or "," in value)]
+
+
+def key_of(dataset):
+    """The key or the field of the job file that a dataset is named after."""
+    return dataset.replace("_", "-")
+
+
+def plain_number(value):
+    """A number as in a job file."""
+    return repr(float(value)).removesuffix(".0")
+
+
 def design_text(design):
     """A design, {axis: value in m}, as text."""
     return ", ".join(f"{name} = {design[name]:.7g}" for name in ("r1", "r2", "r3")) + " m"
@@ -287,6 +504,7 @@ def edges(values):
     return np.array([2 * values[0] - between[0], *between, 2 * values[-1] - between[-1]])
 
 
-def stem(path):
-    """The path of a file without .partial and its suffix."""
-    return os.path.splitext(path.removesuffix(".partial"))[0]
+def stem(path, at=()):
+    """The path of a file without .partial and its suffix, and with the values of a scene."""
+    name = os.path.splitext(path.removesuffix(".partial"))[0]
+    return "-".join([name, *(f"{key}={plain_number(value)}" for key, value in at)])

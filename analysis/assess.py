@@ -170,9 +170,9 @@ def draw_map(archive, field):
                 colours(finite_values(values)), background="0.93")
 
 
-def draw_maps(path, picture_stem, form):
+def draw_maps(path, at, picture_stem, form):
     """Writes the maps of an archive's speed error and stiffness, those that it has."""
-    archive = Archive(path)
+    archive = Archive(path).scene(at)
     fields = [name for name in ("speed_error", "stiffness") if name in archive.fields]
     if not fields:
         fail(f"{path}: has no map speed_error or stiffness; it has {', '.join(archive.fields)}")
@@ -189,6 +189,7 @@ def main():
                         help="file written by 'trebsweep assess'")
     parser.add_argument("--maps", metavar="ARCHIVE",
                         help="archive of a sweep with the field speed-error, stiffness or both")
+    parser.add_scene(what="the scene to read from an archive of a study")
     parser.add_argument("-o", "--output", metavar="STEM",
                         help="beginning of the pictures' names (default: the assessment's name)")
     parser.add_argument("--format", default="png", help=f"{', '.join(FORMATS)} (default: png)")
@@ -208,7 +209,7 @@ def main():
         if assessment.tables.get("stability"):
             save(draw_stability(assessment), f"{name}-stability.{form}")
     if arguments.maps:
-        draw_maps(arguments.maps, name, form)
+        draw_maps(arguments.maps, arguments.at, name, form)
 
 
 if __name__ == "__main__":

@@ -1,40 +1,80 @@
 #!/usr/bin/env python3
-"""Compares a map of two archives of the same lattice: A - B, in numbers and as a picture.
+"""Compares a map of two archives: A - B, in numbers and as a picture.
 
 The numbers go to stdout: the optimum of each archive, the number of designs with a value in both,
 and the median, 95th percentile and maximum of the difference. The picture shows the planes through
-B's optimum, marked by a star. Designs without a value in one of the archives are left blank.
+B's optimum, marked by a star. Designs without a value in one of the archives are left blank. If the
+lattices differ, the designs that both have are compared.
 
 To compare the paper's Euler sweep with an accurate one:
 
   compare.py paper.h5 accurate.h5                      -> paper-accurate.png
+
+Two scenes of a study, of which B has the fulcrum height of A:
+
+  compare.py study.h5 study.h5 --at projectile-mass=100 --at fulcrum-height=2 \
+             --at-b projectile-mass=200
 """
 
-from program import Parser, fail, note, refuse, run  # before modules that may be missing
+import os
+
+from program import Parser, fail, note, run  # before modules that may be missing
 
 import numpy as np
 
-from archive import AXES, Archive, design_text, stem
+from archive import AXES, Archive, design_text, edges, stem
+from lattice import designs
 from maps import draw, finite_values, middle, scaled, slices, views
 from picture import OUTPUT_HELP, check_output, labelled, readable_unit, save
 
 
-def check_lattices(a, b):
-    """Ends the program unless both archives have the same axes."""
-    for name in AXES:
-        x, y = a.axes[name], b.axes[name]
-        if len(x) != len(y) or not np.allclose(x, y, rtol=1e-12):
-            fail(f"{a.path} and {b.path} have different lattices: {name} runs over {len(x)} values "
-                 f"from {x[0]:g} to {x[-1]:g} m and {len(y)} values from {y[0]:g} to {y[-1]:g} m")
+def chosen(at, archive, other):
+    """The pairs (key, value) of --at for one of two archives: all but those of axes that only the
+    other one has, and none for an archive of one scene if the other one is a study."""
+    if other.in_study and not archive.in_study:
+        return []
+    return [(key, value) for key, value in at if key.replace("-", "_") in archive.outer_axes
+            or key.replace("-", "_") not in other.outer_axes]
 
 
-def report(a, b, field):
-    """Prints statistics of the difference."""
+def open_scenes(arguments):
+    """The scenes A and B, and the map to compare."""
+    a, b = Archive(arguments.a), Archive(arguments.b)
+    field = a.number_field(arguments.field)
+    b.number_field(arguments.field)
+    changed = [key for key, _ in arguments.at_b]
+    at_b = [pair for pair in chosen(arguments.at, b, a) if pair[0] not in changed]
+    return (a.scene(chosen(arguments.at, a, b)), b.scene([*at_b, *arguments.at_b], "at-b"), field)
+
+
+def common_indices(x, y):
+    """The indices in x and those in y of the values that two axes have in common."""
+    near = np.minimum(np.searchsorted(y, x * (1 - 1e-12)), len(y) - 1)
+    found = np.isclose(x, y[near], rtol=1e-12, atol=0)
+    return np.flatnonzero(found), near[found]
+
+
+def common_lattice(a, b):
+    """The scenes with only those values of r1, r3 and r2 that both have, and whether both have the
+    design, an array over these. If the lattices differ, prints how many designs both have; ends the
+    program if there is none."""
+    indices = zip(*(common_indices(a.axes[name], b.axes[name]) for name in AXES))
+    common = [archive.restricted(index) for archive, index in zip((a, b), indices)]
+    all_a, all_b = (designs(archive.lattice) for archive in (a, b))
+    both = np.logical_and(*(designs(archive.lattice) for archive in common))
+    if not both.any():
+        fail(f"{a.with_scene(a.path)} and {b.with_scene(b.path)} have no design in common")
+    if both.sum() < max(all_a.sum(), all_b.sum()):
+        print(f"lattices  {both.sum()} designs in common, of {all_a.sum()} of A and {all_b.sum()} "
+              f"of B")
+    return *common, both
+
+
+def report(a, b, field, common):
+    """Prints statistics of the difference between the designs that both scenes have."""
     x, y = (archive.read(field).astype(float) for archive in (a, b))
     both = np.isfinite(x) & np.isfinite(y)
-    only = int((np.isfinite(x) != np.isfinite(y)).sum())
-    print(f"A         {a.path}: {a.best_text()}")
-    print(f"B         {b.path}: {b.best_text()}")
+    only = int((common & (np.isfinite(x) != np.isfinite(y))).sum())
     print(f"designs   {int(both.sum())} with a {field} in both, {only} in one of them only")
     if not both.any():
         return
@@ -56,22 +96,30 @@ def report(a, b, field):
           f"{factor * y[worst]:.12g} {unit}".rstrip())
 
 
+def optimum_within(archive):
+    """{axis: m} of the optimum of a scene, or None if it lies outside the archive's axes."""
+    optimum = archive.optimum()
+    inside = optimum and all(limits[0] <= optimum[0][name] <= limits[-1] for name, limits in (
+        (name, edges(values)) for name, values in archive.axes.items()))
+    return optimum[0] if inside else None
+
+
 def picture(a, b, field):
-    """The figure of A - B in the planes through the optimum of B."""
-    optimum = b.optimum()
-    centre = optimum[0] if optimum else middle(b)
+    """The figure of A - B in the planes through the optimum of B, or the middle of the lattice."""
+    star = optimum_within(b)
+    centre = star or middle(b)
     values = [x.astype(float) - y
               for x, y in zip(slices(a, field, centre), slices(b, field, centre))]
     values, unit = scaled(a, field, values)
     finite = finite_values(values)
     limit = np.abs(finite).max() if finite.size and finite.any() else 1
     title = f"difference \u201c{a.name()}\u201d \u2212 \u201c{b.name()}\u201d, " + (
-        f"\u2605 {b.best_word()} of \u201c{b.name()}\u201d" if optimum else "middle of the lattice")
+        f"\u2605 {b.best_word()} of \u201c{b.name()}\u201d" if star else "middle of the lattice")
     title += "".join(f"\n\u201c{archive.name()}\u201d {archive.progress()}" for archive in (a, b)
                      if not archive.complete)
     return draw(a, values, centre, title, labelled(f"difference of the {a.long_name(field)}", unit),
                 {"cmap": "RdBu_r", "vmin": -limit, "vmax": limit},
-                star=optimum and optimum[0], star_colour="black", background="0.93")
+                star=star, star_colour="black", background="0.93")
 
 
 def main():
@@ -80,20 +128,21 @@ def main():
     parser.add_argument("b", metavar="B", help="archive to compare with")
     parser.add_argument("--field", default="speed",
                         help="the map of numbers to compare (default: speed)")
+    parser.add_scene(what="the scene to read from the archives that are studies")
+    parser.add_scene("--at-b", "replaces the value of --at in B")
     parser.add_argument("-o", "--output", metavar="PICTURE",
                         help=OUTPUT_HELP + "default: A-B.png in the directory of A")
     arguments = parser.parse_args()
 
-    output = arguments.output or f"{stem(arguments.a)}-{stem(arguments.b).rsplit('/', 1)[-1]}.png"
+    output = arguments.output or (
+        f"{stem(arguments.a, arguments.at)}-"
+        f"{stem(os.path.basename(arguments.b), arguments.at_b)}.png")
     check_output(output, arguments.a, arguments.b)
-    a, b = Archive(arguments.a), Archive(arguments.b)
-    check_lattices(a, b)
-    field = a.field(arguments.field)
-    b.field(arguments.field)
-    if not (a.is_number(field) and b.is_number(field)):
-        numbers = ", ".join(name for name in a.fields if a.is_number(name))
-        refuse("field", arguments.field, f"holds flags; must be a map of numbers: {numbers}")
-    report(a, b, field)
+    a, b, field = open_scenes(arguments)
+    for name, archive in (("A", a), ("B", b)):
+        print(f"{name}         {archive.with_scene(archive.path)}: {archive.best_text()}")
+    a, b, common = common_lattice(a, b)
+    report(a, b, field, common)
     if views(a):
         save(picture(a, b, field), output)
     else:

@@ -13,6 +13,7 @@ Cells outside the lattice are left blank, and so are designs that an unfinished 
   heatmap.py accurate.h5                               speed -> accurate-speed.png
   heatmap.py accurate.h5 --field status --r1 0.7
   heatmap.py accurate.h5 --field peak-axle-load -o loads.pdf
+  heatmap.py study.h5 --at projectile-mass=100         -> study-projectile-mass=100-speed.png
 """
 
 from program import Parser, note, run  # before modules that may be missing
@@ -96,6 +97,7 @@ def main():
                         help="archive of a sweep, complete or partial")
     parser.add_argument("--field", help="the map to draw (default: speed, or the first map "
                         "without a speed map); `trebsweep sweep --help` lists the fields")
+    parser.add_scene()
     for axis in AXES:
         parser.add_argument(f"--{axis}", type=float, metavar="M",
                             help=f"draw the plane at this {axis} in m (default: the best design's)")
@@ -104,13 +106,15 @@ def main():
     arguments = parser.parse_args()
 
     archive = Archive(arguments.archive)
-    default = "speed" if "speed" in archive.fields else archive.fields[0]
+    default = "speed" if "speed" in archive.fields else next(iter(archive.fields), "speed")
     field = archive.field(arguments.field or default)
+    archive = archive.scene(arguments.at)
     chosen = {name: getattr(arguments, name) for name in AXES
               if getattr(arguments, name) is not None}
     for axis, value in chosen.items():
         archive.index(axis, value)
-    output = arguments.output or f"{stem(arguments.archive)}-{field.replace('_', '-')}.png"
+    output = arguments.output or \
+        f"{stem(arguments.archive, arguments.at)}-{field.replace('_', '-')}.png"
     check_output(output, arguments.archive)
     if views(archive):
         save(picture(archive, field, chosen), output)

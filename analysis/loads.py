@@ -114,6 +114,7 @@ def main():
     parser = Parser(__doc__)
     parser.add_argument("archive", metavar="ARCHIVE",
                         help="archive of a sweep with a map of the speed")
+    parser.add_scene()
     parser.add_argument("--count", type=int, default=3,
                         help="maximum number of designs to draw, at least 1 (default: 3)")
     parser.add_argument("--program", help=PROGRAM_HELP)
@@ -123,11 +124,12 @@ def main():
 
     if arguments.count < 1:
         refuse("count", arguments.count, "must be at least 1")
-    output = arguments.output or f"{stem(arguments.archive)}-loads.png"
+    output = arguments.output or f"{stem(arguments.archive, arguments.at)}-loads.png"
     check_output(output, arguments.archive)
     archive = Archive(arguments.archive)
     if "speed" not in archive.fields:
         fail(f"{arguments.archive}: has no map of the speed")
+    archive = archive.scene(arguments.at)
     program = find_program(arguments.program)
     designs = [archive.design(index)
                for index in local_maxima(archive.read("speed"), arguments.count)]

@@ -55,6 +55,7 @@ def main():
     parser = Parser(__doc__)
     parser.add_argument("archive", metavar="ARCHIVE",
                         help="archive of a sweep, complete or partial")
+    parser.add_scene()
     parser.add_argument("--continuous", action="store_true",
                         help="search between the designs of the lattice")
     parser.add_argument("--job", metavar="FILE", help="also write the job to FILE: as it was run, "
@@ -62,10 +63,11 @@ def main():
     parser.add_argument("--program", help=PROGRAM_HELP)
     arguments = parser.parse_args()
 
-    archive = Archive(arguments.archive)
-    job = job_text(accurate_job(archive.job)) if arguments.continuous else archive.attributes["job"]
     if arguments.job:
         refuse_overwriting("job", arguments.job, arguments.archive)
+    archive = Archive(arguments.archive).scene(arguments.at)
+    job = job_text(accurate_job(archive.job)) if arguments.continuous else archive.attributes["job"]
+    if arguments.job:
         write(arguments.job, job)
     if arguments.continuous:
         design = continuous_optimum(find_program(arguments.program), job)

@@ -32,9 +32,38 @@ def refuse(option, value, allowed):
 
 def refuse_overwriting(option, path, *inputs):
     """Ends the program with exit code 2 if writing `path` would overwrite one of its inputs."""
-    if any(os.path.exists(path) and os.path.exists(name) and os.path.samefile(path, name)
-           for name in inputs):
-        refuse(option, path, "must not be an input file")
+    for name in inputs:
+        for file in (name, existing(name)):
+            if os.path.realpath(path) == os.path.realpath(file) or (
+                    os.path.exists(path) and os.path.exists(file) and os.path.samefile(path, file)):
+                refuse(option, path, "must not be an input file")
+
+
+def existing(path):
+    """The path of an archive, or that of its partial archive if only this one exists."""
+    partial = (os.path.realpath(path) if os.path.islink(path) else path) + ".partial"
+    return partial if not os.path.exists(path) and os.path.exists(partial) else path
+
+
+def assignment(text):
+    """(key, number) of KEY=VALUE."""
+    key, _, value = text.partition("=")
+    try:
+        return key.strip(), float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text}: must be KEY=VALUE, VALUE a number") from None
+
+
+def interval(text):
+    """(key, (first, last)) of KEY=FIRST:LAST or KEY=VALUE."""
+    key, _, ends = text.partition("=")
+    try:
+        first, *last = map(float, ends.split(":"))
+        if len(last) < 2 and first <= (last or [first])[0]:
+            return key.strip(), (first, (last or [first])[0])
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"{text}: must be KEY=FIRST:LAST with FIRST <= LAST")
 
 
 class Parser(argparse.ArgumentParser):
@@ -42,6 +71,12 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, doc):
         super().__init__(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+
+    def add_scene(self, option="--at", what="the scene to read from the archive of a study"):
+        """Adds an option that selects scenes: pairs (key, value) of outer axes."""
+        self.add_argument(option, metavar="KEY=VALUE", type=assignment, action="append", default=[],
+                          help=f"{what}: the value of an outer axis, such as projectile-mass=100; "
+                               "once per outer axis")
 
     def error(self, message):
         note(f"{NAME}: {message}; see {NAME} --help")
@@ -68,7 +103,7 @@ def run(main):
     if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL:
         fail(f"{NAME}: was killed; is there enough memory?")
     if os.WIFSIGNALED(status):
-        files = " or ".join(filter(is_hdf5, sys.argv[1:]))
+        files = " or ".join(filter(is_hdf5, map(existing, sys.argv[1:])))
         fail(f"{files}: damaged, or not written by trebsweep: HDF5 crashed with "
              f"{signal.Signals(os.WTERMSIG(status)).name}")
     sys.exit(os.WEXITSTATUS(status))

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Installs missing packages, builds the program, sweeps a job, searches for its optimum and draws both into results/.
+# Of a study it draws the optima of the scenes.
 #
 #   jobs/run.sh [JOB] [-n RANKS] [-- options]      default: jobs/paper.cfg on 2 ranks
 #   jobs/run.sh jobs/accurate.cfg -n 4 -- --scene.projectile-mass 50
 set -euo pipefail
 
-usage() { sed -n '2,5s/^# \{0,1\}//p' "$0"; }
+usage() { sed -n '2,6s/^# \{0,1\}//p' "$0"; }
 
 job='' ranks=2
 while [[ $# -gt 0 ]]; do
@@ -43,6 +44,10 @@ name=${name%.*}
 archive=results/$name.h5
 mpirun -n "$ranks" $program sweep "$job" --output.file "$archive" "$@"
 
+if [[ $($program info "$archive") == *$'\nscenes '* ]]; then # a study: the optima of its scenes
+  $python analysis/study.py "$archive" -o "results/$name.png" | tee "results/$name.txt"
+  exit
+fi
 $python analysis/heatmap.py "$archive" -o "results/$name.png"
 # The optimum between the designs of the lattice, if there is one: what `trebsweep optimum` reports, its swing and its
 # neighbourhood. The job is the archive's, with an accurate solver.

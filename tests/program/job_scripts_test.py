@@ -222,6 +222,13 @@ class Run(DirectoryTest):
             self.assertTrue(self.read(f"results/{picture}").startswith(b"\x89PNG"))
             self.assertIn(f"results/{picture}\n", done.stdout)
 
+    def test_of_a_study_the_optima_of_the_scenes_are_drawn(self):
+        done, results = self.run_script("--scene.projectile-mass", "50, 100")
+        self.assertEqual(results, {"paper.h5", "paper.png", "paper.txt"})
+        self.assertIn(self.read("results/paper.txt").decode(), done.stdout)
+        self.assertIn("projectile-mass", done.stdout)
+        self.assertTrue(self.read("results/paper.png").startswith(b"\x89PNG"))
+
     def test_a_job_without_an_optimum_is_swept_and_the_reason_printed(self):
         for option, reason in (("--solver.max-time=0.1", "nothing is released"),
                                ("--optimum.subject-to=peak-axle-load <= 1", "exclude every design")):
