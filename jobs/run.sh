@@ -43,9 +43,11 @@ name=$(basename "$job")
 name=${name%.*}
 archive=results/$name.h5
 mpirun -n "$ranks" $program sweep "$job" --output.file "$archive" "$@"
+explorer="A page that explores the design space in a browser: analysis/explorer/build.sh --archive $archive"
 
 if [[ $($program info "$archive") == *$'\nscenes '* ]]; then # a study: the optima of its scenes
   $python analysis/study.py "$archive" -o "results/$name.png" | tee "results/$name.txt"
+  echo "$explorer --at KEY=VALUE"
   exit
 fi
 $python analysis/heatmap.py "$archive" -o "results/$name.png"
@@ -62,3 +64,4 @@ if [[ -n $design ]]; then
     -o "results/$name-swing.png"
   $python analysis/neighbourhood.py "results/$name-optimum.cfg" -o "results/$name-neighbourhood.png"
 fi
+echo "$explorer"

@@ -4,4 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 jobs/build.sh --tests
-ctest --preset release -j "$(nproc)" "$@"
+status=0
+ctest --preset release -j "$(nproc)" "$@" || status=$?
+sed -n 's/^skipped: /Skipped: /p' build/release/Testing/Temporary/LastTest.log | sort -u
+exit $status

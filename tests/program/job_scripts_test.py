@@ -221,12 +221,14 @@ class Run(DirectoryTest):
         for picture in ("paper.png", "paper-swing.png", "paper-neighbourhood.png"):
             self.assertTrue(self.read(f"results/{picture}").startswith(b"\x89PNG"))
             self.assertIn(f"results/{picture}\n", done.stdout)
+        self.assertTrue(done.stdout.endswith("analysis/explorer/build.sh --archive results/paper.h5\n"))
 
     def test_of_a_study_the_optima_of_the_scenes_are_drawn(self):
         done, results = self.run_script("--scene.projectile-mass", "50, 100")
         self.assertEqual(results, {"paper.h5", "paper.png", "paper.txt"})
         self.assertIn(self.read("results/paper.txt").decode(), done.stdout)
         self.assertIn("projectile-mass", done.stdout)
+        self.assertTrue(done.stdout.endswith("analysis/explorer/build.sh --archive results/paper.h5 --at KEY=VALUE\n"))
         self.assertTrue(self.read("results/paper.png").startswith(b"\x89PNG"))
 
     def test_a_job_without_an_optimum_is_swept_and_the_reason_printed(self):

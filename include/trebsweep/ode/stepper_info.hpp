@@ -50,7 +50,7 @@ inline constexpr std::array<StepperInfo, 11> stepper_info{{
     {StepperId::rosenbrock4, "rosenbrock4", 4, true, false, true},
 }};
 
-static_assert(std::ranges::all_of(stepper_info, [](const StepperInfo& stepper) {
+static_assert(std::all_of(stepper_info.begin(), stepper_info.end(), [](const StepperInfo& stepper) {
   return &stepper - stepper_info.data() == static_cast<std::ptrdiff_t>(stepper.id);
 }));
 

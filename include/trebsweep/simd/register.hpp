@@ -24,8 +24,9 @@ inline constexpr std::size_t register_lanes = 4;
 inline constexpr std::size_t register_lanes = 2;
 #endif
 
-/// Whether fma() is fused, that is, rounded once. It is on every target except baseline x86-64.
-#if defined(__x86_64__) && !defined(__FMA__)
+/// Whether fma() is fused, that is, rounded once. It is on every target except baseline x86-64 and
+/// WebAssembly.
+#if (defined(__x86_64__) && !defined(__FMA__)) || defined(__wasm__)
 inline constexpr bool has_fused_multiply_add = false;
 #else
 inline constexpr bool has_fused_multiply_add = true;

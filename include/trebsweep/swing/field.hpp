@@ -108,7 +108,7 @@ inline constexpr auto field_info = std::to_array<FieldInfo>({
     {Field::peak_hanger_tension, "peak-hanger-tension", "N", FieldKind::load,
      "largest tension of the counterweight's hanger"},
 });
-static_assert(std::ranges::all_of(field_info, [](const FieldInfo& info) {
+static_assert(std::all_of(field_info.begin(), field_info.end(), [](const FieldInfo& info) {
   return &info - field_info.data() == static_cast<std::ptrdiff_t>(info.field);
 }));
 

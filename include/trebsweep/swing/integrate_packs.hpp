@@ -11,11 +11,13 @@
 
 namespace trebsweep {
 
-/// Integrates a batch with a stepper, a pack type T and effects chosen at compile time.
-template <class T, Effects E, class Stepper>
-Work integrate_by(Stepper& stepper, const Scene& scene, const Solver& solver, const Batch& batch) {
+/// Integrates a batch with a stepper, a pack type T and effects chosen at compile time. For
+/// `observe`, see Swings.
+template <class T, Effects E, class Stepper, class Observe = NullObserver>
+Work integrate_by(Stepper& stepper, const Scene& scene, const Solver& solver, const Batch& batch,
+                  Observe observe = {}) {
   const auto& [designs, results, fields, values] = batch;
-  std::ranges::fill(values, std::numeric_limits<double>::quiet_NaN());
+  std::fill(values.begin(), values.end(), std::numeric_limits<double>::quiet_NaN());
   std::size_t at = 0;
   const auto next = [&, &designs = designs](Design<double>& design) {
     if (at == designs.size()) return false;
@@ -28,8 +30,8 @@ Work integrate_by(Stepper& stepper, const Scene& scene, const Solver& solver, co
     steps += outcome.steps;
     results[index] = result_of(outcome, values.subspan(index * fields.size(), fields.size()));
   };
-  Swings<Stepper, T, E, decltype(next), decltype(done)> swings(scene, solver, stepper, fields,
-                                                               values, next, done);
+  Swings<Stepper, T, E, decltype(next), decltype(done), Observe> swings(
+      scene, solver, stepper, fields, values, next, done, observe);
   const std::uint64_t lane_steps = swings.run();
   return {lane_steps, evaluations(stepper, steps)};
 }

@@ -28,7 +28,7 @@ template <Effects E>
 SwingResult result_of(const Outcome<double, E>& outcome, std::span<double> values) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   if (has_speed(outcome.status)) return {outcome.speed, outcome.t, outcome.steps, outcome.status};
-  std::ranges::fill(values, nan);
+  std::fill(values.begin(), values.end(), nan);
   return {nan, nan, outcome.steps, outcome.status};
 }
 

@@ -134,8 +134,9 @@ class ReleaseQueue {
   const std::span<double> values_;
   const RecordRequest request_;
   const bool recording_ = request_.any();
-  const bool flying_ = std::ranges::any_of(
-      fields_, [](Field field) { return info(field).kind == FieldKind::flight; });
+  const bool flying_ = std::any_of(fields_.begin(), fields_.end(), [](Field field) {
+    return info(field).kind == FieldKind::flight;
+  });
   const ReleaseRule<Number> rule_{solver_};
   const Number latest_ = latest_time<Number>(solver_);
 

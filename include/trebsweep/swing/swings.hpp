@@ -25,9 +25,10 @@ struct NullObserver {
 /// next(design) sets the next design, or returns false after the last one. done(index, outcome)
 /// receives the outcomes in any order; designs are numbered in the order of next(). If design n has
 /// a release, values[n * fields.size() + i] is set to fields[i], none of which may be in
-/// SwingResult. observe(from, to) requires a T with one lane. It is called with the ends of every
-/// accepted step, except the last one of a swing without a release, and of the step that ends at
-/// the release; by rules that choose the release, steps beyond it are observed before.
+/// SwingResult. observe(from, to), for a single design, which is in the first lane, is called with
+/// the ends of every accepted step, except the last one of a swing without a release, and of the
+/// step that ends at the release; by rules that choose the release, steps beyond it are observed
+/// before.
 template <class Stepper, class T, Effects E, class Next, class Done, class Observe = NullObserver>
 class Swings {
  public:
@@ -60,7 +61,7 @@ class Swings {
   using Instant = trebsweep::Instant<T, E>;
   static constexpr std::size_t lanes = Lanes<T>::count;
   static constexpr bool adaptive = is_adaptive<Stepper>;
-  static_assert(lanes == 1 || std::is_same_v<Observe, NullObserver>);
+  static constexpr bool observing = !std::is_same_v<std::remove_cvref_t<Observe>, NullObserver>;
 
   void step() {
     Instant& from = now_[steps_taken_ % 2];
@@ -81,8 +82,8 @@ class Swings {
     if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
     if constexpr (E.trough) events |= lift_offs_.find(lanes_.motion, from, to);
     const LaneMask ended = check_events(events, ~LaneMask{0}, from, to);
-    if constexpr (lanes == 1) {
-      if (ended == 0) {
+    if constexpr (observing) {
+      if ((ended & 1) == 0) {
         set_times(1, from, to);
         observe_(from, to);
       }
@@ -106,8 +107,8 @@ class Swings {
     if constexpr (E.trough) events |= lift_offs_.find(lanes_.motion, from, to);
     const LaneMask accepted = lanes_of(good);
     const LaneMask ended = check_events(events, accepted, from, to);
-    if constexpr (lanes == 1)
-      if (good && ended == 0) observe_(from, to);
+    if constexpr (observing)
+      if ((accepted & ~ended & 1) != 0) observe_(from, to);
     if ((~accepted & active_) != 0) copy_where<T>(!good, to, from);
     follow(from, to, step_between(from, to));  // a rejected step adds nothing
     return ended;
@@ -227,7 +228,7 @@ class Swings {
       lift_offs_.locate(
           stepper_, scene_,
           [&]([[maybe_unused]] const Instant& from, [[maybe_unused]] const Instant& to) {
-            if constexpr (lanes == 1) observe_(from, to);
+            if constexpr (observing) observe_(from, to);
           });
   }
 
@@ -236,7 +237,7 @@ class Swings {
         stepper_, [&](std::uint64_t index, const auto& outcome,
                       [[maybe_unused]] const Instant& from, [[maybe_unused]] const Instant& to) {
           done_(index, outcome);
-          if constexpr (lanes == 1)
+          if constexpr (observing)
             if (has_speed(outcome.status)) observe_(from, to);
         });
   }

@@ -1,0 +1,59 @@
+// Plays the swing and the flight, and draws them together with the plots.
+
+import { drawFlight, drawMachine, endOf } from "./machine.js";
+import { drawPlots } from "./plots.js";
+
+const at = (id) => document.getElementById(id);
+
+export class Animation {
+  constructor() {
+    Object.assign(this, { traces: [], scene: null, time: 0, isPlaying: false, last: null });
+    at("play").onclick = () => this.#play(!this.isPlaying);
+    at("time").oninput = () => {
+      this.#play(false);
+      this.time = (at("time").value / at("time").max) * this.#end();
+      this.#draw();
+    };
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.#play(true);
+  }
+
+  /** Shows traces, the first one solid; others may be null. */
+  show(traces, scene) {
+    this.traces = traces;
+    this.scene = scene;
+    this.#draw();
+  }
+
+  #end() {
+    return this.traces.length ? endOf(this.traces[0]) : 0;
+  }
+
+  #play(on) {
+    this.isPlaying = on;
+    this.last = null;
+    at("play").textContent = on ? "Pause" : "Play";
+    at("play").setAttribute("aria-pressed", String(on));
+    if (on) requestAnimationFrame((now) => this.#step(now));
+  }
+
+  #step(now) {
+    if (!this.isPlaying) return;
+    const seconds = this.last === null ? 0 : Math.min((now - this.last) / 1000, 0.1);
+    this.last = now;
+    this.time += seconds * Number(at("pace").value);
+    if (this.time > this.#end() + 0.4) this.time = 0; // a moment on the ground
+    this.#draw();
+    requestAnimationFrame((next) => this.#step(next));
+  }
+
+  #draw() {
+    if (!this.scene) return;
+    const end = this.#end(), t = Math.min(this.time, end);
+    at("time").value = end > 0 ? (t / end) * at("time").max : 0;
+    at("time").setAttribute("aria-valuetext", `${t.toFixed(3)} s`);
+    at("clock").textContent = `${t.toFixed(3)} s`;
+    drawMachine(at("machine"), this.traces, t, this.scene);
+    drawFlight(at("flight"), this.traces, t, this.scene);
+    drawPlots(at("plots"), this.traces, t, this.scene);
+  }
+}

@@ -1,0 +1,50 @@
+// The three lengths of the design, as fields and sliders.
+
+import { parseNumber } from "./rules.js";
+import { axes, axisNames, windowOf } from "./space.js";
+
+const resolution = 1000;
+
+export class DesignFields {
+  /** change({r1}) reports an edit. */
+  constructor(parent, change) {
+    this.ranges = {};
+    for (const axis of axes) {
+      const row = document.createElement("div");
+      row.className = "key";
+      row.innerHTML = `<label for="design.${axis}">${axisNames[axis]} (m)</label>` +
+        `<input id="design.${axis}" type="text" inputmode="decimal" autocomplete="off" ` +
+        `aria-describedby="design.${axis}.message">` +
+        `<input id="design.${axis}.slider" type="range" min="0" max="${resolution}" step="1" ` +
+        `aria-label="${axisNames[axis]}, slider">` +
+        `<output id="design.${axis}.message" class="message"></output>`;
+      parent.append(row);
+      const [input, slider] = row.querySelectorAll("input");
+      input.oninput = () => {
+        const x = parseNumber(input.value);
+        const isLength = x >= 1e-12 && x <= 1e12;
+        row.querySelector("output").textContent = isLength ? ""
+          : `${axis} = ${input.value}: must be a number above 0, from 1e-12 to 1e+12`;
+        input.toggleAttribute("aria-invalid", !isLength);
+        if (isLength) change({ [axis]: x });
+      };
+      slider.oninput = () => {
+        const { low, high } = this.ranges[axis];
+        const x = low + (slider.value / resolution) * (high - low);
+        change({ [axis]: Number(Math.max(x, 1e-3 * high).toPrecision(3)) });
+      };
+    }
+  }
+
+  show(design, box) {
+    for (const axis of axes) {
+      this.ranges[axis] = windowOf(box[axis]);
+      const { low, high } = this.ranges[axis];
+      const input = document.getElementById(`design.${axis}`);
+      const slider = document.getElementById(`design.${axis}.slider`);
+      if (input !== document.activeElement) input.value = String(design[axis]);
+      if (slider !== document.activeElement) slider.value = ((design[axis] - low) / (high - low)) * resolution;
+      slider.setAttribute("aria-valuetext", `${design[axis]} m`);
+    }
+  }
+}

@@ -1,0 +1,309 @@
+// The page: its state, and what follows from it. A change of the state checks the job, asks the
+// workers for what depends on it, and draws in the next frame.
+
+import { Animation } from "./animation.js";
+import { drawScale, PlaneView } from "./plane.js";
+import { limitsOf, statusColours } from "./colours.js";
+import { Controls } from "./controls.js";
+import { DesignFields } from "./design_fields.js";
+import { InputError } from "./input_error.js";
+import { fromFragment, jobText, readJob, suggestedDesign, toFragment } from "./jobfile.js";
+import { Pool } from "./pool.js";
+import { has, quantities, quantityOf, valueText } from "./quantities.js";
+import { showReadouts } from "./readouts.js";
+import { checkedJob } from "./rules.js";
+import { axes, clamped, isInside, moved, planes } from "./space.js";
+import { StoredPlanes } from "./stored.js";
+
+const data = JSON.parse(document.getElementById("data").textContent);
+const at = (id) => document.getElementById(id);
+
+const planeTolerance = 1e-7;
+/** Cells along an axis of a plane, and tolerance: coarse, then fine. */
+const passes = [[25, 1e-5], [100, planeTolerance]];
+
+const state = {
+  job: {}, design: { r1: 0.51, r3: 0.58, r2: 0.91 }, field: "speed", locked: null,
+  pinned: null,
+};
+/** Known from the core, once it has started. */
+let core = null;
+/** The last job without mistakes: its values, box and unused keys. */
+let valid = null;
+let live = null, pinned = null, maxima = [], goesToBest = false;
+let pool, views, controls, designFields, animation, stored;
+
+/** Asks for what depends on the state; called after each change. */
+function update(change) {
+  Object.assign(state, change);
+  let mistake = null;
+  try {
+    valid = checkedJob(state.job, core);
+    controls.show(state.job, valid);
+  } catch (error) {
+    if (!(error instanceof InputError)) throw error;
+    mistake = error;
+  }
+  if (!controls.report(mistake) && mistake) notice(mistake.message, true);
+  if (!valid) return;
+  if (!has(quantityOf.get(state.field), valid.numbers)) state.field = "speed";
+  ask();
+  remember();
+  redraw();
+}
+
+/** Sends requests; those that have not changed since are left out. */
+function ask() {
+  const { numbers, box } = valid;
+  const { design, field } = state;
+  pool.sendOther("trace", { numbers, design, planeTolerance });
+  planes.forEach((plane, index) =>
+    pool.sendPlane(index, { numbers, box, plane, field, passes, at: design[plane.across] }));
+  const searched = quantityOf.get(field).searched ? field : "speed";
+  if (pool.sendOther("search", { numbers, box, field: searched })) {
+    maxima = [];
+    showMaxima();
+  }
+  if (state.pinned) {
+    const job = checkedJob(state.pinned.job, core);
+    pool.sendOther("pinned", { numbers: job.numbers, design: state.pinned.design, planeTolerance });
+  } else
+    pinned = null;
+}
+
+/** Takes an answer of a worker. */
+function receive(answer) {
+  if (answer.type === "ready") {
+    if (!core) start(answer.core);
+    return;
+  }
+  if (answer.type === "plane") {
+    views[answer.index].take(answer.picture);
+    if (answer.isLast)
+      at("cost").textContent = `${answer.designs} designs in ${answer.milliseconds.toFixed(0)} ms.`;
+  } else if (answer.type === "trace") live = answer;
+  else if (answer.type === "pinned") pinned = answer.trace;
+  else if (answer.type === "values") stored.takeLive(answer.values);
+  else if (answer.type === "search") {
+    maxima = answer.maxima;
+    showMaxima();
+    if (goesToBest && maxima.length) {
+      goesToBest = false;
+      update({ design: rounded(maxima[0].design) });
+    }
+  } else if (answer.type === "failed") notice(`The computation failed: ${answer.message}`, true);
+  redraw();
+}
+
+let isWaiting = false;
+function redraw() {
+  document.querySelector("main").ariaBusy = "true";
+  if (isWaiting) return;
+  isWaiting = true;
+  requestAnimationFrame(() => {
+    isWaiting = false;
+    draw();
+    document.querySelector("main").ariaBusy = String(pool.isBusy);
+  });
+}
+
+function draw() {
+  const { box, numbers } = valid;
+  const { design, field } = state;
+  const quantity = quantityOf.get(field);
+  const shown = views.filter(({ data: picture }) => picture && picture.field === field);
+  const limits = state.locked ??
+    limitsOf([...shown.map(({ data: picture }) => picture.values), ...stored.values(field)]);
+  views.forEach((view) => view.draw({ box, design, field, limits, optimum: maxima[0]?.design,
+                                      pinned: state.pinned?.design }));
+  stored.draw({ design, limits, pool, core });
+  at("scale").hidden = field === "status";
+  at("legend").hidden = field !== "status";
+  if (field !== "status") {
+    drawScale(at("scale"), limits, (tick) => `${valueText(quantity, tick, 4)} ${quantity.unit}`);
+    at("scale").dataset.limits = limits.join(" ");
+  }
+  designFields.show(design, box);
+  at("lock").checked = state.locked !== null;
+  at("field").value = field;
+  at("pin").setAttribute("aria-pressed", String(state.pinned !== null));
+  at("pin").textContent = state.pinned ? "Unpin" : "Pin this design";
+  planes.forEach(({ across }, i) => { at(`caption.${i}`).textContent = `${across} = ${design[across]} m`; });
+  if (!live) return;
+  showReadouts(at("readouts"), live, numbers, pinned, core);
+  const { fields, status } = live.trace;
+  at("headline").textContent = Number.isNaN(fields.speed) ? status.replaceAll("_", " ")
+    : `${fields.speed.toFixed(8)} m/s`;
+  animation.show([live.trace, pinned], {
+    fulcrumHeight: valid.get("scene.fulcrum-height"), hanger: valid.get("scene.counterweight-hanger") > 0,
+    trough: valid.get("scene.trough") === "yes", troughHeight: valid.get("scene.trough-height"),
+  });
+}
+
+function notice(text, isWrong = false) {
+  at("notice").textContent = text;
+  at("notice").classList.toggle("wrong", isWrong);
+}
+
+function rounded(design) {
+  return Object.fromEntries(axes.map((axis) => [axis, Number(design[axis].toPrecision(7))]));
+}
+
+/** The buttons that lead to the best designs. */
+function showMaxima() {
+  const quantity = quantityOf.get(quantityOf.get(state.field).searched ? state.field : "speed");
+  const text = ({ value }) => `${valueText(quantity, value, 6)} ${quantity.unit}`;
+  at("best").disabled = maxima.length === 0;
+  at("best").textContent = maxima.length ? `Go to the best found: ${text(maxima[0])}` : "Searching …";
+  at("maxima").replaceChildren(...maxima.slice(1, 4).map((maximum) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = `Local maximum: ${text(maximum)}`;
+    button.onclick = () => update({ design: rounded(maximum.design) });
+    return button;
+  }));
+}
+
+/** Takes a job from a preset or a file. */
+function load(text, name) {
+  const { job, ignored } = readJob(text, name, data.presets);
+  const { box } = checkedJob(job, core); // before anything changes
+  const design = suggestedDesign(text) ?? state.design;
+  goesToBest = !isInside(box, design);
+  at("preset").value = name in data.presets ? name : ""; // blank for a file or an archive
+  notice(ignored.length ? `${name}: not used by the explorer: ${ignored.join("; ")}` : "");
+  update({ job, design: clamped(box, design), locked: null });
+}
+
+function tryToLoad(text, name) {
+  try {
+    load(text, name);
+  } catch (error) {
+    if (!(error instanceof InputError)) throw error;
+    notice(`${name}: ${error.message}`, true);
+  }
+}
+
+async function openFile(file) {
+  if (file) tryToLoad(await file.text(), file.name);
+}
+
+function copyJob() {
+  const { box, unused } = valid;
+  const proposed = Object.fromEntries(box.proposed.map((axis) =>
+    [`lattice.${axis}`, `${box[axis].low}:${box[axis].high}:${box[axis].step}`]));
+  const text = jobText(state.job, unused, proposed, state.design);
+  at("jobtext").value = text;
+  at("copied").textContent = "Select and copy the text:";
+  navigator.clipboard?.writeText(text)
+    .then(() => { at("copied").textContent = "The text is on the clipboard:"; }, () => {});
+  at("dialog").showModal();
+  at("jobtext").select();
+}
+
+let memory = 0;
+/** Writes the state to the address, at most a few times a second. */
+function remember() {
+  clearTimeout(memory);
+  memory = setTimeout(() => history.replaceState(null, "", `#${toFragment(state)}`), 300);
+}
+
+function restore() {
+  const saved = fromFragment(location.hash.slice(1));
+  if (saved.field && !quantityOf.has(saved.field)) delete saved.field;
+  try {
+    if (saved.job) checkedJob(saved.job, core);
+    if (saved.pinned) checkedJob(saved.pinned.job, core);
+    return saved;
+  } catch (error) {
+    if (!(error instanceof InputError)) throw error;
+    notice(`The address of the page: ${error.message}`, true);
+    return {};
+  }
+}
+
+function listen() {
+  at("preset").onchange = () => tryToLoad(data.presets[at("preset").value], at("preset").value);
+  at("open").onclick = () => at("file").click();
+  at("file").onchange = () => openFile(at("file").files[0]);
+  at("copy").onclick = copyJob;
+  at("pin").onclick = () => update({
+    pinned: state.pinned ? null : { job: { ...state.job }, design: { ...state.design } } });
+  at("field").onchange = () => update({ field: at("field").value, locked: null });
+  at("lock").onchange = () => update({
+    locked: at("lock").checked ? at("scale").dataset.limits.split(" ").map(Number) : null });
+  at("best").onclick = () => update({ design: rounded(maxima[0].design) });
+  at("controls").onsubmit = (event) => event.preventDefault();
+  window.addEventListener("resize", redraw);
+  window.addEventListener("hashchange", () => update(restore()));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+  document.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    document.body.classList.add("dropping");
+  });
+  document.addEventListener("dragleave", () => document.body.classList.remove("dropping"));
+  document.addEventListener("drop", (event) => {
+    event.preventDefault();
+    document.body.classList.remove("dropping");
+    openFile(event.dataTransfer.files[0]);
+  });
+}
+
+/** The keys of the job of an archive. */
+function storedJob() {
+  return readJob(data.stored.job, data.stored.name, data.presets).job;
+}
+
+/** Shows the colours of the statuses. */
+function showLegend() {
+  at("legend").append(...core.statuses.map((name, status) => {
+    const item = document.createElement("span"), colour = document.createElement("i");
+    colour.style.background = statusColours[status];
+    item.append(colour, name.replaceAll("_", " "));
+    return item;
+  }).slice(1));
+}
+
+/** Builds the page, once the core has started. */
+function start(ready) {
+  core = ready;
+  const move = (part) => update({ design: moved(valid.box, state.design, part(state.design)) });
+  views = planes.map((plane, i) => new PlaneView(at(`plane.${i}`), plane, move));
+  controls = new Controls(at("controls"), core, (name, text) => update({ job: { ...state.job, [name]: text } }));
+  designFields = new DesignFields(at("design"), (design) => update({ design: { ...state.design, ...design } }));
+  animation = new Animation();
+  stored = new StoredPlanes(data.stored && { ...data.stored, jobTexts: storedJob() }, move);
+  at("field").append(...quantities.map(({ field, label }) => new Option(label, field)));
+  at("preset").append(...Object.keys(data.presets).sort().map((name) => new Option(name, name)));
+  at("preset").value = "paper";
+  showLegend();
+  listen();
+  const saved = restore();
+  if (stored.job && !saved.job) {
+    tryToLoad(stored.job, stored.name);
+    update({ design: stored.design, field: stored.field });
+  } else
+    update(saved);
+}
+
+async function inflated(base64) {
+  const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).arrayBuffer();
+}
+
+async function begin() {
+  for (const [i, plane] of planes.entries()) {
+    const figure = document.createElement("figure");
+    figure.innerHTML = `<canvas id="plane.${i}" tabindex="0" role="application" ` +
+      `aria-roledescription="heat map"></canvas><figcaption id="caption.${i}">${plane.across}</figcaption>`;
+    at("planes").append(figure);
+  }
+  const script = new Blob([at("worker").textContent], { type: "text/javascript" });
+  for (const [axis, packed] of Object.entries(data.stored?.planes ?? {}))
+    data.stored.planes[axis] = Float64Array.from(new Float32Array(await inflated(packed)));
+  const module = await WebAssembly.compile(await inflated(data.module));
+  pool = new Pool(URL.createObjectURL(script), module, receive);
+}
+
+begin().catch((error) => notice(`The explorer cannot start: ${error.message}`, true));

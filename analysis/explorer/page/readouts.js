@@ -1,0 +1,31 @@
+// The table of quantities of the design and of the pinned one.
+
+import { has, quantities, valueText } from "./quantities.js";
+
+function cell(tag, text, id) {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  if (id) made.id = id;
+  return made;
+}
+
+/** Fills the table; `pinned` is a trace or null. Rows have the meanings of the core's fields. */
+export function showReadouts(table, { trace, error, planeError }, numbers, pinned, core) {
+  const value = (quantity, shown) =>
+    quantity.field === "status" ? shown.status.replaceAll("_", " ")
+      : valueText(quantity, shown.fields[quantity.field]);
+  const head = document.createElement("tr");
+  head.append(cell("th", ""), cell("th", "live"), cell("th", "pinned"));
+  const rows = quantities.filter((quantity) => has(quantity, numbers)).map((quantity) => {
+    const row = document.createElement("tr");
+    row.title = core.fields.find(({ name }) => name === quantity.field).meaning;
+    const label = quantity.unit ? `${quantity.label} (${quantity.unit})` : quantity.label;
+    row.append(cell("th", label), cell("td", value(quantity, trace), `readout.${quantity.field}`));
+    if (pinned) row.append(cell("td", value(quantity, pinned), `pinned.${quantity.field}`));
+    return row;
+  });
+  table.replaceChildren(...(pinned ? [head] : []), ...rows);
+  const text = (x) => (Number.isNaN(x) ? "–" : `${Math.max(x, 1e-15).toExponential(0)} m/s`);
+  document.getElementById("errors").textContent =
+    `Error of the speed: below ${text(error)}; of the planes, here: ${text(planeError)}.`;
+}

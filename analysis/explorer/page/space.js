@@ -1,0 +1,167 @@
+// The design space of a job: the bounds (47)-(49) of its lattice, as in src/job/lattice.cpp, and the
+// planes through a design.
+
+import { InputError } from "./input_error.js";
+
+export const axes = ["r1", "r3", "r2"];
+export const axisNames =
+  { r1: "counterweight's arm r1", r3: "sling r3", r2: "throwing arm r2" };
+
+/** The planes, by the axis that is constant in them: horizontal and vertical axis. */
+export const planes = [
+  { across: "r1", u: "r2", v: "r3" },
+  { across: "r3", u: "r2", v: "r1" },
+  { across: "r2", u: "r3", v: "r1" },
+];
+
+function refuseEmpty(key, value, why) {
+  throw new InputError(key, `${key} = ${value} leaves no design: ${why}`);
+}
+
+const six = (x) => Number(x.toPrecision(6));
+
+/** The strict bounds of r1 (47), m. */
+function armBounds(get) {
+  const h0 = get("scene.fulcrum-height"), r4 = get("scene.counterweight-hanger");
+  const angleGiven = !Number.isNaN(get("scene.start-angle"));
+  const rise = angleGiven ? 0 : Math.max(0, get("scene.release-height") - h0 + r4);
+  const high = h0 - r4, step = get("lattice.increment");
+  const hung = r4 > 0;
+  if (rise + step < high * (1 - 1e-9)) return { low: rise, high };
+  const low = rise > 0 ? `${hung ? "h - h0 + r4" : "h - h0"} = ${six(rise)}` : "0";
+  const allowed = `r1 must be longer than ${low} m and shorter than ${hung ? "h0 - r4" : "h0"} = ` +
+    `${six(high)} m (47), in steps of ${step} m`;
+  if (high <= 0)
+    refuseEmpty("scene.counterweight-hanger", r4,
+                `${allowed}; choose a shorter hanger or give lattice.r1`);
+  if (rise >= high)
+    refuseEmpty("scene.release-height", get("scene.release-height"),
+                `${allowed}; choose a height below ${six(2 * high)} m or give lattice.r1`);
+  return refuseEmpty("lattice.increment", step, `${allowed}; choose a smaller step or give lattice.r1`);
+}
+
+/**
+ * The box of the designs: for each axis {low, high, step}, and `reach`, the bound of r2 + r3 (49),
+ * infinite where r2 is explicit. Axes in `proposed` are the page's own, where a trough needs
+ * explicit ones. Throws InputError if it is empty.
+ */
+export function boxOf(get) {
+  const h0 = get("scene.fulcrum-height"), trough = get("scene.trough") === "yes";
+  const step = get("lattice.increment"), shortest = get("lattice.shortest-sling");
+  const box = { reach: Infinity, proposed: [] };
+  const explicit = (axis) => {
+    const given = get(`lattice.${axis}`);
+    if (given) return { low: given.first, high: given.last, step: given.step || step };
+    if (axis === "r1" || !trough) return null;
+    box.proposed.push(axis);
+    return proposedRange(h0);
+  };
+  box.r1 = explicit("r1") ?? { ...armBounds(get), step };
+  box.r3 = explicit("r3");
+  if (!box.r3) {
+    if (shortest >= h0)
+      refuseEmpty("lattice.shortest-sling", shortest, `r3 must be shorter than h0 = ${six(h0)} m (48)`);
+    box.r3 = { low: shortest, high: h0, step };
+  }
+  box.r2 = explicit("r2");
+  if (!box.r2) {
+    const longest = h0 - box.r3.low;
+    if (longest <= step * (1 + 1e-6))
+      refuseEmpty(get("lattice.r3") ? "lattice.r3" : "lattice.shortest-sling", box.r3.low,
+                  `r2 must be shorter than h0 - r3 = ${six(longest)} m (49), in steps of ${step} m; ` +
+                  "choose shorter slings or give lattice.r2");
+    box.r2 = { low: 0, high: longest, step };
+    box.reach = h0;
+  }
+  return box;
+}
+
+/** The lengths of arm and sling that the page proposes for a trough: around the fulcrum's height. */
+function proposedRange(h0) {
+  const step = Number((h0 / 50).toPrecision(1));
+  const steps = (x) => Number((Math.round(x / step) * step).toPrecision(12));
+  return { low: steps(0.4 * h0), high: steps(2.2 * h0), step };
+}
+
+/** The range of an axis that a plane shows: its bounds, or the surroundings of a single value. */
+export function windowOf({ low, high }) {
+  return high > low ? { low, high } : { low: 0.75 * low, high: 1.25 * low };
+}
+
+/** Whether a design is within the bounds; those that are equal to a bound count. */
+export function isInside(box, { r1, r3, r2 }) {
+  const within = ({ low, high }, x) => x >= low - 1e-9 && x <= high + 1e-9;
+  return within(box.r1, r1) && within(box.r3, r3) && within(box.r2, r2) &&
+    r2 + r3 <= box.reach * (1 + 1e-9);
+}
+
+/** The nearest design within the bounds. */
+export function clamped(box, design) {
+  const nearest = {};
+  for (const axis of axes)
+    nearest[axis] = Math.min(Math.max(design[axis], box[axis].low), box[axis].high);
+  const excess = nearest.r2 + nearest.r3 - box.reach;
+  if (excess > 0) {
+    const r3 = Math.max(box.r3.low, nearest.r3 - excess / 2);
+    nearest.r2 = Math.max(box.r2.low, box.reach - r3);
+    nearest.r3 = r3;
+  }
+  return nearest;
+}
+
+/**
+ * The designs at the centres of n x n cells of a plane, v slowest, as a flat array of r1, r3, r2,
+ * and the cells that they belong to; cells outside the lattice have no design.
+ */
+export function planeDesigns(box, plane, at, n) {
+  const u = windowOf(box[plane.u]), v = windowOf(box[plane.v]);
+  const designs = [], cells = [];
+  const centre = ({ low, high }, i) => low + ((i + 0.5) / n) * (high - low);
+  for (let j = 0; j < n; ++j)
+    for (let i = 0; i < n; ++i) {
+      const design = { [plane.across]: at, [plane.u]: centre(u, i), [plane.v]: centre(v, j) };
+      if (design.r2 + design.r3 > box.reach * (1 + 1e-9)) continue;
+      designs.push(design.r1, design.r3, design.r2);
+      cells.push(j * n + i);
+    }
+  return { designs: Float64Array.from(designs), cells };
+}
+
+/** How many cells around a maximum, in each direction, are lower: fewer find the steps of edges. */
+const maximumReach = 5;
+
+/** Indices of the cells of a picture that exceed all cells around them that have a value. */
+export function localMaxima({ values, columns, rows }) {
+  const isHighest = (cell) => {
+    const i = cell % columns, j = Math.floor(cell / columns);
+    const last = Math.min(i + maximumReach, columns - 1), top = Math.min(j + maximumReach, rows - 1);
+    for (let y = Math.max(j - maximumReach, 0); y <= top; ++y)
+      for (let x = Math.max(i - maximumReach, 0); x <= last; ++x) {
+        const other = y * columns + x;
+        if (other !== cell && values[other] >= values[cell]) return false;
+      }
+    return true;
+  };
+  return Array.from(values.keys()).filter((cell) => !Number.isNaN(values[cell]) && isHighest(cell));
+}
+
+/**
+ * A design after the user has moved some lengths: rounded to tenths of a step, within the bounds.
+ */
+export function moved(box, design, part) {
+  const next = { ...design };
+  for (const [axis, x] of Object.entries(part)) {
+    const { low, high, step } = { ...windowOf(box[axis]), step: box[axis].step };
+    const quantum = step / 10;
+    const rounded = Number((Math.round(x / quantum) * quantum).toPrecision(12));
+    next[axis] = Math.min(Math.max(rounded, low || quantum), high);
+  }
+  const excess = next.r2 + next.r3 - box.reach;
+  if (excess <= 0) return next;
+  if ("r2" in part && "r3" in part) {
+    const { r3, r2 } = clamped(box, next);
+    return { ...next, r3: Number(r3.toPrecision(12)), r2: Number(r2.toPrecision(12)) };
+  }
+  const axis = "r2" in part ? "r2" : "r3";
+  return { ...next, [axis]: Number((next[axis] - excess).toPrecision(12)) };
+}

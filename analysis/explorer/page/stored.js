@@ -1,0 +1,82 @@
+// The planes of an archive through its optimum, next to live values of the same designs.
+
+import { PlaneView } from "./plane.js";
+import { quantityOf, valueText } from "./quantities.js";
+import { checkedJob } from "./rules.js";
+import { planes } from "./space.js";
+
+const at = (id) => document.getElementById(id);
+
+export class StoredPlanes {
+  /**
+   * @param archive null, or {name, job, jobTexts, field, design, r1, r3, r2: {first, step, count},
+   *   planes: values by the axis that is constant}
+   */
+  constructor(archive, move) {
+    this.views = [];
+    if (!archive) return;
+    Object.assign(this, archive);
+    this.quantity = quantityOf.get(this.field);
+    at("stored").hidden = false;
+    at("stored.title").textContent = `Stored in ${this.name}: ${this.field}, planes through ` +
+      Object.entries(this.design).map(([axis, x]) => `${axis} = ${x}`).join(", ") + " m";
+    this.box = { reach: Infinity };
+    for (const axis of ["r1", "r3", "r2"]) {
+      const { first, step, count } = this[axis];
+      this.box[axis] = { low: first - step / 2, high: first + (count - 0.5) * step, step };
+    }
+    this.views = planes.map((plane, i) => this.#view(plane, i, move));
+  }
+
+  #view(plane, i, move) {
+    const figure = document.createElement("figure");
+    figure.innerHTML = `<canvas id="stored.${i}" tabindex="0" role="application" ` +
+      `aria-roledescription="heat map"></canvas><figcaption>stored, ${plane.across} = ` +
+      `${this.design[plane.across]} m</figcaption>`;
+    at("stored.planes").append(figure);
+    const view = new PlaneView(figure.firstChild, plane, move);
+    const values = this.planes[plane.across];
+    view.take({
+      field: this.field, values, statuses: Uint8Array.from(values, (value) => (Number.isNaN(value) ? 0 : 1)),
+      columns: this[plane.u].count, rows: this[plane.v].count, u: this.box[plane.u], v: this.box[plane.v],
+    });
+    return view;
+  }
+
+  /** Values for the limits of a colour scale. */
+  values(field) {
+    return field === this.field ? this.views.map((view) => view.data.values) : [];
+  }
+
+  /** Draws the planes; asks for live values of the stored designs nearest to the crosshairs. */
+  draw({ design, limits, pool, core }) {
+    if (!this.views.length) return;
+    this.nearest = this.views.map((view) => this.#nearest(view, design));
+    this.views.forEach((view) => view.draw({ box: this.box, design, field: this.field, limits,
+                                             optimum: this.design, pinned: null }));
+    const { numbers } = checkedJob(this.jobTexts, core);
+    const designs = this.nearest.flatMap(({ point }) => [point.r1, point.r3, point.r2]);
+    pool.sendOther("values", { numbers, field: this.field, designs });
+  }
+
+  /** The stored design of a plane that is nearest to the crosshair, and its value. */
+  #nearest({ plane, data }, design) {
+    const index = (axis) => {
+      const { first, step, count } = this[axis];
+      return Math.min(Math.max(Math.round((design[axis] - first) / step), 0), count - 1);
+    };
+    const length = (axis) => Number((this[axis].first + index(axis) * this[axis].step).toPrecision(12));
+    const point = { [plane.across]: this.design[plane.across], [plane.u]: length(plane.u),
+                    [plane.v]: length(plane.v) };
+    return { point, value: data.values[index(plane.v) * data.columns + index(plane.u)] };
+  }
+
+  /** Shows stored values with live ones. */
+  takeLive(live) {
+    const text = (value) => `${valueText(this.quantity, value, 8)} ${this.quantity.unit}`;
+    const row = (tag, cells) => `<tr>${cells.map((cell) => `<${tag}>${cell}</${tag}>`).join("")}</tr>`;
+    at("stored.values").innerHTML = row("th", ["design (m)", "stored", "live"]) +
+      this.nearest.map(({ point, value }, i) =>
+        row("td", [`r1 = ${point.r1}, r3 = ${point.r3}, r2 = ${point.r2}`, text(value), text(live[i])])).join("");
+  }
+}

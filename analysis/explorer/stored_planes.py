@@ -1,0 +1,52 @@
+"""The planes of an archive through its optimum, for the explorer's page."""
+
+import base64
+import gzip
+
+from archive import AXES, Archive
+from program import fail
+
+LARGEST_COUNT = 150  # values kept along an axis; a finer lattice is thinned out
+
+
+def stored_planes(path, at):
+    """What stored.js shows of an archive, of a study the scene that `at` selects: name, job, field,
+    design (m), an object {first, step, count} for each axis, and planes: by the axis that is
+    constant, base64 of gzipped 32-bit floats."""
+    archive = Archive(path).scene(at)
+    optimum = archive.optimum()
+    if optimum is None:
+        fail(f"{path}: has no optimum through which planes could be drawn: {archive.best_text()}")
+    field = archive.objective[0]
+    if field.replace("-", "_") not in archive.fields:
+        field = "speed"
+    dataset = archive.number_field(field)
+
+    centre = [archive.nearest(axis, optimum[0][axis]) for axis in AXES]
+    kept = [slice(index % stride, None, stride) for index, stride in zip(
+        centre, (-(-count // LARGEST_COUNT) for count in archive.shape))]
+
+    def plane(across):
+        """Every stride-th value of the plane through the optimum on which an axis is constant."""
+        where = [centre[axis] if axis == across else slice(None) for axis in range(len(AXES))]
+        thinned = tuple(kept[axis] for axis in range(len(AXES)) if axis != across)
+        return packed(archive.read(dataset, where)[thinned])
+
+    return {
+        "name": archive.name(),
+        "job": archive.attributes["job"],
+        "field": field,
+        "design": archive.design(centre),
+        **{axis: summary(archive.axes[axis][own]) for axis, own in zip(AXES, kept)},
+        "planes": {axis: plane(across) for across, axis in enumerate(AXES)},
+    }
+
+
+def summary(values):
+    """First value, step and number of the values of an axis, which are evenly spaced."""
+    step = values[1] - values[0] if len(values) > 1 else values[0] / 10
+    return {"first": float(values[0]), "step": round(float(step), 12), "count": len(values)}
+
+
+def packed(plane):
+    return base64.b64encode(gzip.compress(plane.astype("<f4").tobytes(), 9, mtime=0)).decode()

@@ -1,0 +1,494 @@
+"""The explorer page in headless Chromium, compared with the program.
+
+Needs TREBSWEEP (the program) in the environment, a browser and the packages of build.sh; exits with code 77 without
+them. With TREBSWEEP_PICTURES, the screenshots are kept in that directory.
+"""
+
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import time
+import unittest
+import urllib.parse
+
+from support import JOBS, PROGRAM, REPOSITORY, DirectoryTest
+
+BUILD = os.path.join(REPOSITORY, "analysis", "explorer", "build.sh")
+OPTIMUM = 16.85558691  # m/s: the paper's lattice, jobs/accurate.cfg
+TOLERANCE = 1e-6       # m/s
+
+# Where every cell of a plane is a design.
+FULL_PLANE = {"lattice.r3": "0.3:0.6:0.01", "lattice.r2": "0.3:0.9:0.01"}
+# A mistake of each kind. Rules between keys are found at the key that is given here last.
+MISTAKES = [
+    {"scene.counterweight-mass": "-1"}, {"scene.gravity": "0"}, {"scene.projectile-mass": "heavy"},
+    {"scene.sling-angle": "4"}, {"scene.start-angle": "3.2"}, {"scene.wind": "2000"}, {"scene.beam-side": "-0.1"},
+    {"solver.release-angle": "7"}, {"solver.max-time": "0"}, {"scene.release-height": "6"},
+    {"scene.counterweight-hanger": "1.6"}, {"lattice.shortest-sling": "2"}, {"lattice.increment": "3"},
+    {"lattice.r1": "1:2"}, {"lattice.r3": "0.3:0.95:0.1"}, {"lattice.r2": "2:1:0.1"}, {"solver.release": "pin"},
+    {"scene.beam-mass": "500"}, {"scene.sling-damping": "5"},
+    {"scene.counterweight-hanger": "0.2", "scene.sling-stiffness": "1e5"},
+]
+
+
+def skip_unless_installed():
+    """Exits with code 77, saying why, if a package is missing."""
+    sys.dont_write_bytecode = True
+    with open(BUILD, encoding="utf-8") as file:
+        needed = re.search(r"^packages=\((.*)\)", file.read(), re.MULTILINE)[1].split()
+    needed += ["chromium", "chromium-driver", "python3-selenium"]
+    installed = subprocess.run(["dpkg-query", "-W", "-f", "${Package} ${db:Status-Status}\n", *needed],
+                               capture_output=True, text=True, check=False).stdout if shutil.which("dpkg-query") else ""
+    missing = [package for package in needed if f"{package} installed" not in installed]
+    if missing:
+        print(f"skipped: the tests of the explorer, which need the packages {' '.join(missing)}")
+        sys.exit(77)
+
+
+def random_jobs(count):
+    """Jobs of random scenes and designs, as {key: text} and {axis: m}; each effect is in some of them."""
+    pick = random.Random(19)
+    number = lambda low, high: f"{pick.uniform(low, high):.4g}"  # noqa: E731
+    for n in range(count):
+        job = {"scene.counterweight-mass": number(1000, 9000), "scene.projectile-mass": number(20, 200),
+               "scene.beam-side": number(0.05, 0.2), "scene.beam-inertia": pick.choice(["slender", "prism"])}
+        design = {"r1": number(0.6, 1.0), "r3": number(0.4, 0.9), "r2": number(0.5, 1.2)}
+        if n % 2 == 0:
+            job["scene.counterweight-hanger"] = number(0.1, 0.4)
+            job["scene.start-angle"] = number(0.4, 1.2)
+        if n % 3 == 0:
+            job.update({"scene.trough": "yes", "scene.start-angle": number(0.5, 1.0)})
+            design["r3"], design["r2"] = number(1.2, 1.6), number(1.3, 2.0)
+        elif n % 4 == 1:
+            job.update({"scene.sling-stiffness": number(1e5, 5e5), "scene.sling-damping": number(0, 500)})
+        if n % 5 < 2:
+            job.update({"solver.release": "pin", "solver.pin-angle": number(0.2, 0.8)})
+        elif n % 5 == 2:
+            job["solver.release"] = "fastest"
+        elif n % 5 == 3:
+            job["solver.release"] = "farthest"
+        if n % 4 < 2:
+            job["scene.pivot-friction"] = number(0, 500)
+            job["scene.pivot-viscosity"] = number(0, 50)
+        if n % 3 < 2:
+            job["scene.projectile-diameter"] = number(0.1, 0.4)
+            job["scene.wind"] = number(-8, 8)
+        yield job, design
+
+
+class PageTest(DirectoryTest):
+    """Tests of the page in a browser, and what a person does with it."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        from selenium import webdriver
+        from selenium.webdriver.chrome.service import Service
+        cls.page = cls.path("explorer.html")
+        subprocess.run([BUILD, "-o", cls.page], check=True, capture_output=True, timeout=500)
+        options = webdriver.ChromeOptions()
+        options.binary_location = shutil.which("chromium")
+        for argument in ("--headless=new", "--no-sandbox", "--force-prefers-reduced-motion", "--window-size=1500,1400",
+                         f"--user-data-dir={cls.path('chromium')}"):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        cls.browser = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
+        cls.addClassCleanup(cls.browser.quit)
+
+    def setUp(self):
+        self.browser.get_log("browser")
+        self.browser.get_log("performance")
+
+    def tearDown(self):
+        severe = [entry["message"] for entry in self.browser.get_log("browser") if entry["level"] != "INFO"]
+        self.assertEqual(severe, [], "messages on the console")
+        requests = [json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")]
+        addresses = [request["params"]["request"]["url"] for request in requests
+                     if request["method"] == "Network.requestWillBeSent"]
+        self.assertEqual([url for url in addresses if re.match("(http|ws|ftp)s?:", url)], [])
+
+    def open(self, job=(), design=(), page=None, pictures=True, **more):
+        """Opens the page with a job and a design in its address; waits for its readouts and, if asked, its pictures."""
+        parameters = {**dict(job), **dict(design), **more}
+        if job and not design:
+            parameters.update(r1="0.51", r3="0.58", r2="0.91")
+        self.browser.get("about:blank")
+        self.browser.get(f"file://{page or self.page}#{urllib.parse.urlencode(parameters)}")
+        self.wait(lambda: self.text("readout.status"))
+        if pictures:
+            self.wait_for_pictures()
+
+    def script(self, text, *arguments):
+        return self.browser.execute_script(text, *arguments)
+
+    def wait(self, condition, seconds=60):
+        """Waits for a condition; returns its value."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if found := condition():
+                return found
+            time.sleep(0.02)
+        return self.fail(f"waited {seconds} s; notice: {self.text('notice')}")
+
+    def wait_for_pictures(self):
+        """Waits until everything that was asked for is on the page."""
+        self.wait(lambda: self.script("return document.querySelector('main').ariaBusy") == "false")
+
+    def find(self, name):
+        return self.browser.find_element("id", name)
+
+    def text(self, name):
+        return self.script("return document.getElementById(arguments[0])?.textContent", name)
+
+    def number(self, field):
+        return float(self.text(f"readout.{field}").replace("–", "nan"))
+
+    def type(self, name, text):
+        """Replaces the text of a field."""
+        field = self.find(name)
+        self.script("arguments[0].closest('details')?.setAttribute('open', '')", field)
+        if field.tag_name == "select":
+            self.script("arguments[0].value = arguments[1]; arguments[0].onchange()", field, text)
+        else:
+            self.script("arguments[0].value = arguments[1]; arguments[0].oninput()", field, text)
+
+    def picture(self, name):
+        return self.script("return document.getElementById(arguments[0]).toDataURL()", name)
+
+    def pictures(self):
+        names = ["plane.0", "plane.1", "plane.2", "machine", "flight", "plots"]
+        return {name: self.picture(name) for name in names}
+
+    def design(self):
+        return {axis: float(self.find(f"design.{axis}").get_property("value")) for axis in ("r1", "r3", "r2")}
+
+    def copied_job(self):
+        """The text of the job file that the page offers."""
+        self.find("copy").click()
+        text = self.find("jobtext").get_property("value")
+        self.script("document.getElementById('dialog').close()")
+        return text
+
+    def traced(self, *arguments, design):
+        """The last row of `trebsweep trace`, as {column: number}."""
+        lengths = [word for axis, value in design.items() for word in (f"--{axis}", str(value))]
+        done = self.run_program("trace", *arguments, *lengths, "--solver.tolerance", "1e-11")
+        header, *rows = [line.split() for line in done.stdout.splitlines() if not line.startswith("#")]
+        return dict(zip(header, map(float, rows[-1]))), done
+
+    def save_picture(self, name):
+        path = os.path.join(os.environ.get("TREBSWEEP_PICTURES", self.directory), name)
+        self.browser.save_screenshot(path)
+        with open(path, "rb") as file:
+            self.assertTrue(file.read().startswith(b"\x89PNG"))
+
+
+class Numbers(PageTest):
+    """The page's numbers are the program's."""
+
+    def test_the_page_is_one_small_file_that_shows_the_optimum_of_the_paper(self):
+        self.assertLess(os.path.getsize(self.page), 400_000)
+        self.open()
+        self.assertAlmostEqual(self.number("speed"), OPTIMUM, delta=TOLERANCE)
+        self.assertIn(f"{OPTIMUM} m/s", self.text("headline"))
+        error = re.search(r"of the planes, here: (\S+) m/s", self.text("errors"))
+        self.assertLess(float(error[1]), 1e-6)
+        self.assertEqual(self.text("readout.status"), "released")
+
+    def test_a_plane_of_10000_designs_takes_less_than_a_second(self):
+        self.open(FULL_PLANE)
+        times = []
+        for n in range(20):
+            self.type("design.r1", f"{0.55 + 0.01 * n:.2f}")
+            self.wait_for_pictures()
+            designs, milliseconds = re.findall(r"\d+", self.text("cost"))
+            self.assertEqual(designs, "10000")
+            times.append(int(milliseconds))
+        paint = self.script("return performance.getEntriesByType('paint')[0].startTime")
+        print(f"a plane of 10,000 designs: {min(times)} ms at best, {sorted(times)[10]} ms in the median; "
+              f"first paint after {paint:.0f} ms")
+        self.assertLess(min(times), 1000)
+
+    def test_random_scenes_and_designs_agree_with_trace(self):
+        released = 0
+        for job, design in random_jobs(20):
+            with self.subTest(job=job, design=design):
+                self.open(job, design, pictures=False)
+                options = [word for key, value in job.items() for word in (f"--{key}", value)]
+                row, done = self.traced(f"{JOBS}/accurate.cfg", *options, design=design)
+                if self.text("readout.status") == "released":
+                    released += 1
+                    self.assertAlmostEqual(self.number("speed"), row["speed"], delta=TOLERANCE)
+                    self.assertAlmostEqual(self.number("release-time"), row["t"], delta=1e-5)
+                else:
+                    self.assertNotIn("release-time", done.stdout)
+        self.assertGreater(released, 14)
+
+    def test_the_best_design_is_that_of_the_program(self):
+        self.open()
+        self.find("best").click()
+        self.wait_for_pictures()
+        found = json.loads(self.run_program("optimum", f"{JOBS}/accurate.cfg", "--json").stdout)
+        self.assertAlmostEqual(self.number("speed"), found["value"], delta=1e-5)
+        for axis, length in self.design().items():
+            self.assertAlmostEqual(length, found[axis], delta=1e-3)
+
+    def test_stored_planes_agree_with_live_values(self):
+        self.check_stored("optimum.h5", [], "100")
+        self.check_stored("study.h5", ["--at", "projectile-mass=200"], "200", "--scene.projectile-mass", "100, 200")
+        done = self.run_command(BUILD, "-o", self.path("none.html"), "--archive", self.path("study.h5"), code=2)
+        self.assertIn("choose a scene, such as --at projectile-mass=100", done.stderr)
+        self.assertFalse(os.path.exists(self.path("none.html")))
+        before = self.read("study.h5")
+        self.run_command(BUILD, "-o", self.path("study.h5"), "--archive", self.path("study.h5"), code=2)
+        self.assertEqual(self.read("study.h5"), before)
+
+    def check_stored(self, name, scene, mass, *options):
+        """Compares the planes of an archive with live values of the same designs, away from its optimum."""
+        archive, page = self.path(name), self.path("stored.html")
+        self.run_program("sweep", f"{JOBS}/accurate.cfg", "--lattice.increment", "0.02", *options, "--output.file", archive)
+        self.run_command(BUILD, "-o", page, "--archive", archive, *scene, timeout=500)
+        self.open(page=page)
+        self.assertEqual(self.find("scene.projectile-mass").get_property("value"), mass)
+        self.type("design.r2", "0.7")
+        self.wait_for_pictures()
+        rows = self.script("return [...document.querySelectorAll('[id=\"stored.values\"] tr')].slice(1).map(row => "
+                           "[...row.cells].map(cell => parseFloat(cell.textContent)))")
+        self.assertEqual(len(rows), 3)
+        for _, stored, live in rows:
+            self.assertAlmostEqual(stored, live, delta=1e-5)
+        self.save_picture(name.replace(".h5", ".png"))
+
+class Jobs(PageTest):
+    """Job files that leave and enter the page."""
+
+    def test_every_preset_is_copied_as_a_job_that_the_program_runs(self):
+        self.open()
+        names = self.script("return [...document.getElementById('preset').options].map(option => option.value)")
+        self.assertEqual(len(names), len(os.listdir(f"{JOBS}/scenes")) + 1)
+        for name in names:
+            with self.subTest(preset=name):
+                self.type("preset", name)
+                self.wait_for_pictures()
+                job = self.write("copied.cfg", self.copied_job())
+                row, _ = self.traced(job, design=self.design())
+                self.assertAlmostEqual(self.number("speed"), row["speed"], delta=TOLERANCE)
+                self.run_program("sweep", job, "--overwrite", "--output.file", self.path("copied.h5"),
+                                 "--lattice.increment", "0.1", "--solver.check", "no")
+
+    def test_the_copied_job_is_on_the_clipboard(self):
+        self.browser.execute_cdp_cmd("Browser.grantPermissions", {
+            "permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"]})
+        self.open({"scene.projectile-mass": "42"})
+        shown = self.copied_job()
+        self.wait(lambda: self.text("copied") == "The text is on the clipboard:")
+        self.assertIn("projectile-mass = 42", shown)
+        self.assertEqual(self.browser.execute_async_script(
+            "navigator.clipboard.readText().then(arguments[0], (error) => arguments[0](String(error)))"), shown)
+
+    def test_a_job_file_is_opened(self):
+        self.open()
+        self.find("file").send_keys(f"{JOBS}/lab.cfg")
+        self.wait(lambda: self.find("scene.projectile-mass").get_property("value") == "0.717")
+        self.wait_for_pictures()
+        self.assertEqual(self.design(), {"r1": 0.25, "r3": 0.87, "r2": 0.975})
+        self.assertAlmostEqual(self.number("range"), 42.83, delta=0.01)
+        self.find("file").send_keys(self.write("wrong.cfg", "[scene]\ngravity = -9.8\n"))
+        self.wait(lambda: "gravity" in self.text("notice"))
+        self.assertIn("scene.gravity = -9.8: must be a number above 0", self.text("notice"))
+        self.assertEqual(self.find("scene.projectile-mass").get_property("value"), "0.717")
+
+    def test_a_job_file_dropped_on_the_page_is_opened(self):
+        drop = """const data = new DataTransfer();
+                  if (arguments[0]) data.items.add(new File([arguments[0]], 'dropped.cfg'));
+                  else data.setData('text/plain', 'no file');
+                  const event = (type) => new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true });
+                  const plane = document.getElementById('plane.1');
+                  return [event('dragover'), event('drop')].map((e) => plane.dispatchEvent(e));"""
+        self.open()
+        handled = [False, False]  # by the page: the browser does not leave it to show the file
+        self.assertEqual(self.script(drop, ""), handled)
+        self.assertEqual(self.text("notice"), "")
+        with open(f"{JOBS}/lab.cfg", encoding="utf-8") as file:
+            self.assertEqual(self.script(drop, file.read()), handled)
+        self.wait(lambda: self.find("scene.projectile-mass").get_property("value") == "0.717")
+        self.wait_for_pictures()
+        self.assertAlmostEqual(self.number("range"), 42.83, delta=0.01)
+
+    def test_the_address_keeps_scene_design_and_pinned_design(self):
+        self.open({"scene.projectile-mass": "50"}, {"r1": "0.6", "r3": "0.5", "r2": "0.8"}, field="range")
+        self.find("pin").click()
+        self.type("scene.projectile-mass", "80")
+        self.wait_for_pictures()
+        values = self.number("speed"), self.text("pinned.speed")
+        self.wait(lambda: "projectile-mass=80" in self.browser.current_url)
+        address = self.browser.current_url
+        self.browser.get("about:blank")
+        self.browser.get(address)
+        self.wait_for_pictures()
+        self.assertEqual((self.number("speed"), self.text("pinned.speed")), values)
+        self.assertNotEqual(self.text("readout.speed"), self.text("pinned.speed"))
+        self.assertEqual(self.find("field").get_property("value"), "range")
+
+
+class Controls(PageTest):
+    """Mouse, touch, keyboard and screen readers."""
+
+    def test_the_crosshair_moves_the_other_planes_the_readouts_and_the_machine(self):
+        from selenium.webdriver import ActionChains
+        self.open()
+        before, speed, design = self.pictures(), self.number("speed"), self.design()
+        plane = self.find("plane.0")  # over r2 and r3
+        ActionChains(self.browser).move_to_element_with_offset(plane, -60, 60).click_and_hold() \
+            .move_by_offset(-20, 10).release().perform()
+        self.wait_for_pictures()
+        after = self.design()
+        self.assertEqual(after["r1"], design["r1"])
+        self.assertNotEqual((after["r3"], after["r2"]), (design["r3"], design["r2"]))
+        self.assertNotEqual(self.number("speed"), speed)
+        for name, picture in self.pictures().items():
+            self.assertNotEqual(picture, before[name], name)
+
+    def test_a_finger_moves_the_crosshair(self):
+        from selenium.webdriver.common.actions.action_builder import ActionBuilder
+        from selenium.webdriver.common.actions.pointer_input import PointerInput
+        self.open()
+        design, plane = self.design(), self.find("plane.2")  # over r3 and r1
+        self.script("window.kinds = new Set(); "
+                    "arguments[0].addEventListener('pointermove', (event) => kinds.add(event.pointerType))", plane)
+        touch = ActionBuilder(self.browser, mouse=PointerInput("touch", "finger"))
+        touch.pointer_action.move_to(plane, -40, 30).pointer_down().move_to(plane, 50, -40).pointer_up()
+        touch.perform()
+        self.wait_for_pictures()
+        after = self.design()
+        self.assertEqual(self.script("return [...kinds]"), ["touch"])
+        self.assertEqual(after["r2"], design["r2"])
+        for axis in ("r1", "r3"):
+            self.assertNotEqual(after[axis], design[axis])
+        self.assertEqual(self.script("return scrollY"), 0)
+
+    def test_the_keyboard_alone_moves_the_crosshair(self):
+        from selenium.webdriver.common.keys import Keys
+        self.open()
+        body = self.browser.find_element("tag name", "body")
+        for _ in range(12):  # from the top of the page to the first plane
+            body.send_keys(Keys.TAB)
+            if self.script("return document.activeElement.id") == "plane.0":
+                break
+        plane = self.browser.switch_to.active_element
+        self.assertEqual(plane.get_attribute("id"), "plane.0")
+        plane.send_keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT, Keys.ARROW_DOWN)
+        self.wait_for_pictures()
+        self.assertEqual(self.design(), {"r1": 0.51, "r3": 0.57, "r2": 0.89})
+        self.assertIn("r2 = 0.89", plane.get_attribute("aria-label"))
+
+    def test_a_slider_moves_planes_readouts_and_machine(self):
+        self.open()
+        before, speed = self.pictures(), self.number("speed")
+        slider = self.find("scene.projectile-mass.slider")
+        self.script("arguments[0].value = 700; arguments[0].oninput()", slider)
+        self.wait_for_pictures()
+        self.assertNotEqual(float(self.find("scene.projectile-mass").get_property("value")), 100)
+        self.assertNotEqual(self.number("speed"), speed)
+        for name, picture in self.pictures().items():
+            self.assertNotEqual(picture, before[name], name)
+
+    def test_the_time_moves_the_machine(self):
+        self.open()
+        before = self.picture("machine")
+        self.script("const time = document.getElementById('time'); time.value = 400; time.oninput()")
+        self.assertNotEqual(self.picture("machine"), before)
+        self.find("play").click()
+        clock = self.text("clock")
+        self.wait(lambda: self.text("clock") != clock)
+
+    def test_a_locked_scale_keeps_its_limits(self):
+        self.open()
+        limits = "return document.getElementById('scale').dataset.limits"
+        self.find("lock").click()
+        before = self.script(limits)
+        self.type("scene.projectile-mass", "20")
+        self.wait_for_pictures()
+        self.assertEqual(self.script(limits), before)
+        self.find("lock").click()
+        self.wait_for_pictures()
+        self.assertNotEqual(self.script(limits), before)
+
+    def test_statuses_have_a_legend_instead_of_a_scale(self):
+        self.open()
+        shown = lambda: [self.find(name).is_displayed() for name in ("scale", "legend")]  # noqa: E731
+        self.assertEqual(shown(), [True, False])
+        self.type("field", "status")
+        self.wait_for_pictures()
+        self.assertEqual(shown(), [False, True])
+
+    def test_every_control_has_a_name_for_screen_readers(self):
+        self.open()
+        self.assertEqual(self.script("""
+            const name = (node) => node.getAttribute('aria-label') || [...(node.labels ?? [])].map((label) =>
+              label.textContent).join('') || (node.tagName === 'BUTTON' && node.textContent);
+            return [...document.querySelectorAll('input, select, button, canvas, textarea')]
+              .filter((node) => !name(node)?.trim()).map((node) => node.outerHTML);"""), [])
+
+    def test_layouts_fit_their_windows(self):
+        layouts = {"light": (1500, 1110, "light"), "dark": (1500, 1110, "dark"), "small": (1000, 1600, "light"),
+                   "telephone": (390, 2900, "dark")}
+        for name, (width, height, scheme) in layouts.items():
+            with self.subTest(layout=name):
+                self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+                    "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600})
+                self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+                    "features": [{"name": "prefers-color-scheme", "value": scheme}]})
+                self.open()
+                self.script("const time = document.getElementById('time'); time.value = 250; time.oninput()")
+                self.assertLessEqual(self.script("return document.documentElement.scrollWidth"), width)
+                self.save_picture(f"explorer-{name}.png")
+        self.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+
+
+class Mistakes(PageTest):
+    """What the page allows is what the program allows."""
+
+    def test_the_controls_are_the_keys_of_the_program(self):
+        self.open()
+        help_text = re.sub(r"\s+", " ", self.run_program("sweep", "--help").stdout)
+        shown = self.script("return [...document.querySelectorAll('.key')].filter((row) => row.title).map((row) => "
+                            "[row.title.split(': ')[0], row.title.slice(row.title.indexOf(': ') + 2), "
+                            "row.querySelector('label').textContent])")
+        keys = {name for name in re.findall(r"--((?:scene|lattice)\.[\w-]+) [A-Z]", help_text)} - {"scene.file"}
+        self.assertEqual(keys - {name for name, _, _ in shown}, set())
+        for name, allowed, label in shown:
+            with self.subTest(key=name):
+                entry = re.search(rf"--{name} [A-Z]+ (.*?)(?= --| Keys of )", help_text)[1]
+                unit = re.search(r"\((?!.*\()(.*)\)$", label)
+                if name != "solver.release":  # the page has no fixed steps, for which window is
+                    self.assertIn(f"; {allowed}", entry)
+                if unit and "first:last" not in allowed:
+                    self.assertIn(f", {unit[1]};", entry)
+
+    def test_mistakes_are_refused_with_the_words_of_the_program_and_the_picture_stays(self):
+        for mistake in MISTAKES:
+            with self.subTest(mistake=mistake):
+                self.open()
+                before, speed = self.pictures(), self.text("headline")
+                for key, value in mistake.items():
+                    before, speed = self.pictures(), self.text("headline")
+                    self.type(key, value)
+                    self.wait_for_pictures()
+                messages = self.script("return [...document.querySelectorAll('.message')].map(node => "
+                                       "node.textContent).filter(text => text)")
+                options = [f"--{key}={value}" for key, value in mistake.items()]
+                done = self.run_program("sweep", f"{JOBS}/accurate.cfg", *options, code=2)
+                self.assertEqual([f"trebsweep: {message}" for message in messages], [done.stderr.strip()])
+                self.assertEqual(self.pictures(), before)
+                self.assertEqual(self.text("headline"), speed)
+
+
+if __name__ == "__main__":
+    skip_unless_installed()
+    unittest.main()
