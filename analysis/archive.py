@@ -202,7 +202,8 @@ class Archive:
         return view
 
     def indices_between(self, name, first, last):
-        """The indices of an axis's values in [first, last]; ends the program if there is none."""
+        """The indices of an axis's values in [first, last]; ends the program if it has
+        no value there."""
         values = self.outer_axes[name] if name in self.outer_axes else self.box[name]
         slack = 1e-9 * max(abs(first), abs(last))
         index = np.flatnonzero((values >= first - slack) & (values <= last + slack))

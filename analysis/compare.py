@@ -57,7 +57,7 @@ def common_indices(x, y):
 def common_lattice(a, b):
     """The scenes with only those values of r1, r3 and r2 that both have, and whether both have the
     design, an array over these. If the lattices differ, prints how many designs both have; ends the
-    program if there is none."""
+    program if they have no design in common."""
     indices = zip(*(common_indices(a.axes[name], b.axes[name]) for name in AXES))
     common = [archive.restricted(index) for archive, index in zip((a, b), indices)]
     all_a, all_b = (designs(archive.lattice) for archive in (a, b))

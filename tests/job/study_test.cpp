@@ -1,19 +1,12 @@
 #include "trebsweep/job/study.hpp"
 
 #include "support/catch.hpp"
+#include "support/six_scenes.hpp"
 #include "trebsweep/base/error.hpp"
 
 using namespace trebsweep;
 
 namespace {
-
-/// The product of two axes: three heights, whose lattices differ, and two masses.
-Job job_of_six_scenes() {
-  return parse_job(
-      "[scene]\nprojectile-mass = 50, 100\nfulcrum-height = 1.2, 1.5, 1.9\n"
-      "[lattice]\nincrement = 0.05\n",
-      "study.cfg", {});
-}
 
 /// The designs of a lattice, r2 fastest.
 std::vector<Design<double>> designs(const Lattice& lattice) {

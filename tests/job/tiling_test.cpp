@@ -3,20 +3,9 @@
 #include <set>
 
 #include "support/catch.hpp"
+#include "support/six_scenes.hpp"
 
 using namespace trebsweep;
-
-namespace {
-
-/// Scenes of three heights, each with two masses; the lattices of the heights differ.
-Job job_of_six_scenes() {
-  return parse_job(
-      "[scene]\nprojectile-mass = 50, 100\nfulcrum-height = 1.2, 1.5, 1.9\n"
-      "[lattice]\nincrement = 0.05\n",
-      "a.cfg", {});
-}
-
-}  // namespace
 
 TEST_CASE("For any edge, tiles cover every design exactly once and no tile is empty") {
   Job single;
