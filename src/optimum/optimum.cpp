@@ -14,6 +14,7 @@
 #include "trebsweep/optimum/allowance.hpp"
 #include "trebsweep/optimum/coarse_sweep.hpp"
 #include "trebsweep/optimum/derivatives.hpp"
+#include "trebsweep/optimum/design_space.hpp"
 #include "trebsweep/optimum/field_values.hpp"
 #include "trebsweep/optimum/local_search.hpp"
 #include "trebsweep/swing/reference.hpp"
@@ -164,7 +165,6 @@ struct Starts {
 
 /// The best local maxima of the coarse sweeps. Throws NoOptimum if nothing is released. Collective.
 Starts find_starts(const Job& job, const OptimumOptions& options, MPI_Comm comm) {
-  design_space(job.scene, job.lattice);  // throws if it is empty
   const LatticeSpec spec =
       options.own_lattice ? job.lattice : coarse_lattice(job.scene, job.lattice);
   const CoarseSweep coarse = coarse_sweep(job, spec, options.progress, comm);
@@ -179,6 +179,14 @@ Starts find_starts(const Job& job, const OptimumOptions& options, MPI_Comm comm)
         fmt::format("nothing is released: none of {} designs with a spacing of {} m has a release",
                     starts.integrated, starts.increment));
   return starts;
+}
+
+[[noreturn]] void refuse_deviation(double deviation) {
+  throw NoOptimum(
+      fmt::format("no design was found that has a release and satisfies the constraints with all "
+                  "lengths off by "
+                  "up to optimum.deviation = {} m",
+                  deviation));
 }
 
 /// Searches from designs, and adds what is found to a result; collective.
@@ -211,6 +219,10 @@ std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& 
   OptimumOptions options = given;
   // Only rank 0 reports progress, as if the others were as fast.
   if (mpi::rank(comm) != 0) options.progress = ProgressStyle::none;
+  const DesignSpace space = design_space(job.scene, job.lattice);
+  // A length that is off by as much may be zero or negative.
+  if (job.optimum.robust != Robust::no && job.optimum.deviation >= std::ranges::min(space.upper))
+    refuse_deviation(job.optimum.deviation);
   const Starts starts = find_starts(job, options, comm);
   OptimumResult result{};
   result.objective = job.optimum.objective;
@@ -236,11 +248,7 @@ std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& 
     std::vector<Design<double>> maxima;
     for (const LocalMaximum& m : result.maxima) maxima.push_back(m.design);
     find_maxima(maxima, problem, options.progress, comm, search_robust, result);
-    if (result.maxima.empty())
-      throw NoOptimum(fmt::format(
-          "no design was found that has a release and satisfies the constraints with all lengths "
-          "off by up to optimum.deviation = {} m",
-          deviation));
+    if (result.maxima.empty()) refuse_deviation(deviation);
     derivatives = take_best(problem, search_robust, result);
     derivatives.fill(nan);  // they are those of the worst or mean value
   }

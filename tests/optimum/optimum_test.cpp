@@ -328,6 +328,9 @@ TEST_CASE("Where there is no optimum, all ranks say why") {
                       {"lattice.r3", "0.6"},
                       {"lattice.r2", "0.9"}}),
              contains("optimum.deviation = 0.3"));
+  // Refused without a search: no length is above 1.5 m.
+  CHECK_THAT(message({{"optimum.deviation", "1.5"}, {"optimum.robust", "expected"}}),
+             contains("optimum.deviation = 1.5"));
 }
 
 TEST_CASE("Refining the best of a lattice gives the optimum") {
