@@ -29,8 +29,8 @@ jobs/install.sh "${packages[@]}"
 
 build=build/explorer
 mkdir -p "$build/include" "$(dirname "$page")"
-ln -sfn /usr/include/boost "$build/include/boost" # without the rest of /usr/include, which is not WebAssembly's
 exec 9>$build/lock && flock 9 # against a second build at the same time
+ln -sfn /usr/include/boost "$build/include/boost" # without the rest of /usr/include, which is not WebAssembly's
 module=$build/explorer.wasm
 if [[ ! -e $module || -n $(find include analysis/explorer/{build.sh,explorer.cpp} -newer $module) ]]; then
   # Warnings as in CMakeLists.txt, except that indices of 64 bits may become addresses of 32 bits. No fused
@@ -38,7 +38,9 @@ if [[ ! -e $module || -n $(find include analysis/explorer/{build.sh,explorer.cpp
   clang++ --target=wasm32-wasi -std=c++20 -O2 -msimd128 -ffp-contract=off -fno-math-errno -fno-rtti \
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-bitwise-instead-of-logical -Wno-unknown-attributes \
     -Wno-shorten-64-to-32 -Werror -Iinclude -isystem $build/include -c -o $build/explorer.o analysis/explorer/explorer.cpp
-  clang++ --target=wasm32-wasi -mexec-model=reactor -Wl,--strip-all -o $module $build/explorer.o
+  # The stack comes first, so that an overflow is an error instead of overwriting data.
+  clang++ --target=wasm32-wasi -mexec-model=reactor -Wl,--strip-all,--stack-first,-z,stack-size=1048576 \
+    -o $module $build/explorer.o
 fi
 
 python=$([[ -x /usr/bin/python3 ]] && echo /usr/bin/python3 || echo python3)

@@ -7,7 +7,7 @@ const at = (id) => document.getElementById(id);
 
 export class Animation {
   constructor() {
-    Object.assign(this, { traces: [], scene: null, time: 0, isPlaying: false, last: null });
+    Object.assign(this, { traces: [], time: 0, isPlaying: false, last: null });
     at("play").onclick = () => this.#play(!this.isPlaying);
     at("time").oninput = () => {
       this.#play(false);
@@ -17,15 +17,14 @@ export class Animation {
     if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.#play(true);
   }
 
-  /** Shows traces, the first one solid; others may be null. */
-  show(traces, scene) {
+  /** Shows the traces of the design and of the pinned one, each with its `scene`, or null. */
+  show(traces) {
     this.traces = traces;
-    this.scene = scene;
     this.#draw();
   }
 
   #end() {
-    return this.traces.length ? endOf(this.traces[0]) : 0;
+    return this.traces[0] ? endOf(this.traces[0]) : 0;
   }
 
   #play(on) {
@@ -47,13 +46,12 @@ export class Animation {
   }
 
   #draw() {
-    if (!this.scene) return;
     const end = this.#end(), t = Math.min(this.time, end);
     at("time").value = end > 0 ? (t / end) * at("time").max : 0;
     at("time").setAttribute("aria-valuetext", `${t.toFixed(3)} s`);
     at("clock").textContent = `${t.toFixed(3)} s`;
-    drawMachine(at("machine"), this.traces, t, this.scene);
-    drawFlight(at("flight"), this.traces, t, this.scene);
-    drawPlots(at("plots"), this.traces, t, this.scene);
+    drawMachine(at("machine"), this.traces, t);
+    drawFlight(at("flight"), this.traces, t);
+    drawPlots(at("plots"), this.traces, t);
   }
 }

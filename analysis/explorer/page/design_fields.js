@@ -1,6 +1,6 @@
 // The three lengths of the design, as fields and sliders.
 
-import { parseNumber } from "./rules.js";
+import { isLength, parseNumber } from "./rules.js";
 import { axes, axisNames, windowOf } from "./space.js";
 
 const resolution = 1000;
@@ -22,11 +22,8 @@ export class DesignFields {
       const [input, slider] = row.querySelectorAll("input");
       input.oninput = () => {
         const x = parseNumber(input.value);
-        const isLength = x >= 1e-12 && x <= 1e12;
-        row.querySelector("output").textContent = isLength ? ""
-          : `${axis} = ${input.value}: must be a number above 0, from 1e-12 to 1e+12`;
-        input.toggleAttribute("aria-invalid", !isLength);
-        if (isLength) change({ [axis]: x });
+        this.#report(axis, isLength(x) ? "" : "must be a number above 0, from 1e-12 to 1e+12");
+        if (isLength(x)) change({ [axis]: x });
       };
       slider.oninput = () => {
         const { low, high } = this.ranges[axis];
@@ -36,13 +33,23 @@ export class DesignFields {
     }
   }
 
+  /** Shows what is wrong with a field, or nothing. */
+  #report(axis, mistake) {
+    const input = document.getElementById(`design.${axis}`);
+    document.getElementById(`design.${axis}.message`).textContent = mistake && `${axis} = ${input.value}: ${mistake}`;
+    input.setAttribute("aria-invalid", String(mistake !== ""));
+  }
+
   show(design, box) {
     for (const axis of axes) {
       this.ranges[axis] = windowOf(box[axis]);
       const { low, high } = this.ranges[axis];
       const input = document.getElementById(`design.${axis}`);
       const slider = document.getElementById(`design.${axis}.slider`);
-      if (input !== document.activeElement) input.value = String(design[axis]);
+      if (input !== document.activeElement) {
+        input.value = String(design[axis]);
+        this.#report(axis, "");
+      }
       if (slider !== document.activeElement) slider.value = ((design[axis] - low) / (high - low)) * resolution;
       slider.setAttribute("aria-valuetext", `${design[axis]} m`);
     }

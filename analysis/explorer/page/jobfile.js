@@ -2,6 +2,7 @@
 
 import { InputError } from "./input_error.js";
 import { keyByName } from "./keys.js";
+import { isLength } from "./rules.js";
 
 /** The keys of a job file's text, as {"section.key": "value"}. Throws InputError for other lines. */
 function parsed(text, name) {
@@ -21,15 +22,21 @@ function parsed(text, name) {
   return values;
 }
 
+/** Keys that the page does not have, with the values for which it shows what the program computes. */
+const assumed = {
+  "solver.stepper": "vern8", "output.optimum": "all", "optimum.objective": "speed", "optimum.subject-to": "",
+  "optimum.robust": "no",
+};
+
 /** Whether a key that the page does not have changes nothing that the page shows. */
 function isHarmless(key, value) {
-  if (key === "solver.stepper") return value === "vern8";
+  if (key in assumed) return value === assumed[key];
   return !/^(scene|lattice)\.|^solver\.release/.test(key);
 }
 
 /**
  * The job of a file's text: {job, ignored}, the texts of the keys that the page has, and the names
- * of the others. A scene's own file is looked up among the presets, texts by name.
+ * of the others. A scene's own file is read if it is one of the presets, texts by name.
  */
 export function readJob(text, name, presets) {
   let values = parsed(text, name);
@@ -37,7 +44,8 @@ export function readJob(text, name, presets) {
   const path = values["scene.file"];
   if (path !== undefined) {
     delete values["scene.file"];
-    const scene = presets[path.replace(/^.*\//, "").replace(/\.cfg$/, "")];
+    const [, preset] = path.match(/^(?:.*\/)?scenes\/(\w+)\.cfg$/) ?? [];
+    const scene = Object.hasOwn(presets, preset) ? presets[preset] : undefined;
     if (scene === undefined) ignored.push(`scene.file = ${path}`);
     else values = { ...parsed(scene, path), ...values };
   }
@@ -99,7 +107,7 @@ export function toFragment({ job, design, field, locked, pinned }) {
   return parameters.toString();
 }
 
-/** The state of a fragment; parts that it does not have are missing. */
+/** The state of a fragment; job, design and field are missing, others null, if it lacks them. */
 export function fromFragment(fragment) {
   const parameters = new URLSearchParams(fragment);
   const get = (prefix) => {
@@ -108,15 +116,13 @@ export function fromFragment(fragment) {
       if (!name.startsWith(prefix)) continue;
       const key = name.slice(prefix.length);
       if (keyByName.has(key)) job[key] = value;
-      if (axes.includes(key) && Number(value) > 0) design[key] = Number(value);
+      if (axes.includes(key) && isLength(Number(value))) design[key] = Number(value);
     }
     return Object.keys(design).length === 3 ? { job, design } : null;
   };
   const state = get("") ?? {};
   if (parameters.has("field")) state.field = parameters.get("field");
   const scale = (parameters.get("scale") ?? "").split(":").map(Number);
-  if (scale.length === 2 && scale[0] < scale[1]) state.locked = scale;
-  const pinned = get("pinned.");
-  if (pinned) state.pinned = pinned;
-  return state;
+  const isScale = scale.length === 2 && scale.every(Number.isFinite) && scale[0] < scale[1];
+  return { ...state, locked: isScale ? scale : null, pinned: get("pinned.") };
 }

@@ -3,6 +3,14 @@
 import { dot, line, prepared, theme } from "./canvas.js";
 import { limitsOf, ticks } from "./colours.js";
 
+/** What the drawings need to know of a scene; `get(name)` is the value of a key. */
+export function machineOf({ get }) {
+  return {
+    fulcrumHeight: get("scene.fulcrum-height"), hanger: get("scene.counterweight-hanger") > 0,
+    trough: get("scene.trough") === "yes", troughHeight: get("scene.trough-height"),
+  };
+}
+
 /** The time of the last row of a trace and, with a flight, that of the impact, s. */
 export function endOf(trace) {
   const { rows, flight } = trace;
@@ -27,14 +35,17 @@ function mapping({ width, height }, [left, right], [bottom, top], padding) {
   return { scale, point: (x, y) => [offset[0] + scale * (x - left), height - offset[1] - scale * (y - bottom)] };
 }
 
-/** Draws the machines of traces, the first one solid, at time t (s). */
-export function drawMachine(canvas, traces, t, scene) {
+/**
+ * Draws the machines of the design and of the pinned one, which is faint, at time t (s): traces with
+ * their scenes, or null. Their fulcrums coincide; the ground is that of the design, if it is shown.
+ */
+export function drawMachine(canvas, traces, t) {
   const frame = prepared(canvas);
   const { context, width, height } = frame;
   const colours = theme();
   const shown = traces.filter((trace) => trace && trace.rows.t.length);
   if (!shown.length) return;
-  const [{ rows }] = shown;
+  const [{ rows, scene }] = shown;
   const ground = -scene.fulcrumHeight;
   const horizontal = limitsOf([rows.x1, rows.xh, rows.xt, rows.x3, [0]]);
   const vertical = limitsOf([rows.y1, rows.yh, rows.yt, rows.y3, [0, ground]]);
@@ -54,14 +65,14 @@ export function drawMachine(canvas, traces, t, scene) {
   line(context, [point(-0.25 * scene.fulcrumHeight, ground), point(0, 0),
                  point(0.25 * scene.fulcrumHeight, ground)], { colour: colours.line, width: 2 });
   shown.slice().reverse().forEach((trace) => {
-    const isPinned = trace !== shown[0];
+    const isPinned = trace !== traces[0];
     context.globalAlpha = isPinned ? 0.45 : 1;
-    drawOne(context, trace, t, point, isPinned ? { ...colours, accent: colours.pinned } : colours, scene);
+    drawOne(context, trace, t, point, isPinned ? { ...colours, accent: colours.pinned } : colours);
     context.globalAlpha = 1;
   });
 }
 
-function drawOne(context, { rows, flight, fields }, t, point, colours, scene) {
+function drawOne(context, { rows, flight, fields, scene }, t, point, colours) {
   const at = rowAt(rows, t);
   if (scene.trough && fields["lift-off-time"] >= 0) {
     const height = scene.troughHeight - scene.fulcrumHeight;
@@ -83,8 +94,8 @@ function drawOne(context, { rows, flight, fields }, t, point, colours, scene) {
   dot(context, position, 5, colours.accent);
 }
 
-/** Draws the flights of traces over the ground, with the projectile at time t (s). */
-export function drawFlight(canvas, traces, t, scene) {
+/** Draws the flights of the design and of the pinned one, with the projectiles at time t (s). */
+export function drawFlight(canvas, traces, t) {
   const frame = prepared(canvas);
   const { context, width } = frame;
   const colours = theme();
@@ -92,9 +103,10 @@ export function drawFlight(canvas, traces, t, scene) {
   context.fillStyle = colours.text;
   context.textBaseline = "top";
   if (!shown.length || shown[0] !== traces[0]) {
-    context.fillText("no flight to the ground", 8, 6);
+    if (traces[0]) context.fillText("no flight to the ground", 8, 6);
     if (!shown.length) return;
   }
+  const [{ scene }] = shown;
   const xs = limitsOf([...shown.map(({ flight }) => flight.x), [0]]);
   const ys = limitsOf([...shown.map(({ flight }) => flight.height), [0, scene.fulcrumHeight]]);
   const { point } = mapping({ width, height: frame.height - 16 }, xs, ys, 12);

@@ -6,8 +6,10 @@ import { drawScale, PlaneView } from "./plane.js";
 import { limitsOf, statusColours } from "./colours.js";
 import { Controls } from "./controls.js";
 import { DesignFields } from "./design_fields.js";
+import { inflated } from "./inflated.js";
 import { InputError } from "./input_error.js";
 import { fromFragment, jobText, readJob, suggestedDesign, toFragment } from "./jobfile.js";
+import { machineOf } from "./machine.js";
 import { Pool } from "./pool.js";
 import { has, quantities, quantityOf, valueText } from "./quantities.js";
 import { showReadouts } from "./readouts.js";
@@ -28,17 +30,21 @@ const state = {
 };
 /** Known from the core, once it has started. */
 let core = null;
-/** The last job without mistakes: its values, box and unused keys. */
+/** The last job without mistakes: its texts, values, box and unused keys. */
 let valid = null;
-let live = null, pinned = null, maxima = [], goesToBest = false;
+let live = null, pinned = null;
+/** The best designs, null while they are searched for; whether the crosshair then moves to the best. */
+let maxima = null, goesToBest = false;
 let pool, views, controls, designFields, animation, stored;
 
 /** Asks for what depends on the state; called after each change. */
 function update(change) {
   Object.assign(state, change);
+  if (change.job) at("preset").value = Object.keys(state.job).length ? "" : "paper";
+  if (change.design) goesToBest = false;
   let mistake = null;
   try {
-    valid = checkedJob(state.job, core);
+    valid = { ...checkedJob(state.job, core), job: state.job };
     controls.show(state.job, valid);
   } catch (error) {
     if (!(error instanceof InputError)) throw error;
@@ -46,9 +52,9 @@ function update(change) {
   }
   if (!controls.report(mistake) && mistake) notice(mistake.message, true);
   if (!valid) return;
-  if (!has(quantityOf.get(state.field), valid.numbers)) state.field = "speed";
+  if (!has(quantityOf.get(state.field), valid.numbers)) Object.assign(state, { field: "speed", locked: null });
   ask();
-  remember();
+  if (!mistake) remember();
   redraw();
 }
 
@@ -61,22 +67,25 @@ function ask() {
     pool.sendPlane(index, { numbers, box, plane, field, passes, at: design[plane.across] }));
   const searched = quantityOf.get(field).searched ? field : "speed";
   if (pool.sendOther("search", { numbers, box, field: searched })) {
-    maxima = [];
+    maxima = null;
     showMaxima();
   }
   if (state.pinned) {
-    const job = checkedJob(state.pinned.job, core);
-    pool.sendOther("pinned", { numbers: job.numbers, design: state.pinned.design, planeTolerance });
-  } else
-    pinned = null;
+    const { numbers: others } = checkedJob(state.pinned.job, core);
+    if (pool.sendOther("pinned", { numbers: others, design: state.pinned.design, planeTolerance })) pinned = null;
+  }
 }
 
-/** Takes an answer of a worker. */
+/**
+ * Takes an answer of a worker. While the mouse moves, planes and traces may be those of a position
+ * that it has left; other answers are shown only if they are to the last request.
+ */
 function receive(answer) {
   if (answer.type === "ready") {
     if (!core) start(answer.core);
     return;
   }
+  if (!answer.isCurrent && !["plane", "trace"].includes(answer.type)) return;
   if (answer.type === "plane") {
     views[answer.index].take(answer.picture);
     if (answer.isLast)
@@ -87,12 +96,26 @@ function receive(answer) {
   else if (answer.type === "search") {
     maxima = answer.maxima;
     showMaxima();
-    if (goesToBest && maxima.length) {
-      goesToBest = false;
-      update({ design: rounded(maxima[0].design) });
-    }
-  } else if (answer.type === "failed") notice(`The computation failed: ${answer.message}`, true);
+    if (goesToBest) goToBest();
+  } else if (answer.type === "failed") fail(answer);
   redraw();
+}
+
+/** Shows that a computation failed, and no longer what it would have replaced. */
+function fail({ failed, index, message }) {
+  notice(`The computation failed: ${failed ?? "a worker"}: ${message}`, true);
+  if (failed === "plane") views[index].take(null);
+  if (failed === "trace") live = null;
+  if (failed === "values") at("stored.values").replaceChildren();
+  if (failed === "search") {
+    maxima = [];
+    showMaxima();
+  }
+}
+
+function goToBest() {
+  goesToBest = false;
+  if (maxima?.length) update({ design: rounded(maxima[0].design) });
 }
 
 let isWaiting = false;
@@ -108,15 +131,16 @@ function redraw() {
 }
 
 function draw() {
+  if (!valid) return;
   const { box, numbers } = valid;
   const { design, field } = state;
   const quantity = quantityOf.get(field);
   const shown = views.filter(({ data: picture }) => picture && picture.field === field);
   const limits = state.locked ??
     limitsOf([...shown.map(({ data: picture }) => picture.values), ...stored.values(field)]);
-  views.forEach((view) => view.draw({ box, design, field, limits, optimum: maxima[0]?.design,
+  views.forEach((view) => view.draw({ box, design, field, limits, optimum: maxima?.[0]?.design,
                                       pinned: state.pinned?.design }));
-  stored.draw({ design, limits, pool, core });
+  stored.draw({ design, field, limits, pool, core });
   at("scale").hidden = field === "status";
   at("legend").hidden = field !== "status";
   if (field !== "status") {
@@ -125,19 +149,26 @@ function draw() {
   }
   designFields.show(design, box);
   at("lock").checked = state.locked !== null;
+  at("lock").disabled = field === "status";
   at("field").value = field;
+  for (const option of at("field").options) option.disabled = !has(quantityOf.get(option.value), numbers);
   at("pin").setAttribute("aria-pressed", String(state.pinned !== null));
   at("pin").textContent = state.pinned ? "Unpin" : "Pin this design";
   planes.forEach(({ across }, i) => { at(`caption.${i}`).textContent = `${across} = ${design[across]} m`; });
+  drawSwing(numbers);
+}
+
+/** Shows the swing of the design, and that of the pinned one. */
+function drawSwing(numbers) {
+  for (const name of ["headline", "readouts", "errors"]) at(name).hidden = !live;
+  const other = state.pinned && pinned;
+  animation.show([live && { ...live.trace, scene: machineOf(valid) },
+                  other && { ...other, scene: machineOf(checkedJob(state.pinned.job, core)) }]);
   if (!live) return;
-  showReadouts(at("readouts"), live, numbers, pinned, core);
+  showReadouts(at("readouts"), live, numbers, other, core);
   const { fields, status } = live.trace;
   at("headline").textContent = Number.isNaN(fields.speed) ? status.replaceAll("_", " ")
     : `${fields.speed.toFixed(8)} m/s`;
-  animation.show([live.trace, pinned], {
-    fulcrumHeight: valid.get("scene.fulcrum-height"), hanger: valid.get("scene.counterweight-hanger") > 0,
-    trough: valid.get("scene.trough") === "yes", troughHeight: valid.get("scene.trough-height"),
-  });
 }
 
 function notice(text, isWrong = false) {
@@ -153,9 +184,10 @@ function rounded(design) {
 function showMaxima() {
   const quantity = quantityOf.get(quantityOf.get(state.field).searched ? state.field : "speed");
   const text = ({ value }) => `${valueText(quantity, value, 6)} ${quantity.unit}`;
-  at("best").disabled = maxima.length === 0;
-  at("best").textContent = maxima.length ? `Go to the best found: ${text(maxima[0])}` : "Searching …";
-  at("maxima").replaceChildren(...maxima.slice(1, 4).map((maximum) => {
+  const [best] = maxima ?? [];
+  at("best").disabled = !best;
+  at("best").textContent = best ? `Go to the best found: ${text(best)}` : maxima ? "No best design found" : "Searching …";
+  at("maxima").replaceChildren(...(maxima ?? []).slice(1, 4).map((maximum) => {
     const button = document.createElement("button");
     button.type = "button";
     button.textContent = `Local maximum: ${text(maximum)}`;
@@ -169,10 +201,11 @@ function load(text, name) {
   const { job, ignored } = readJob(text, name, data.presets);
   const { box } = checkedJob(job, core); // before anything changes
   const design = suggestedDesign(text) ?? state.design;
-  goesToBest = !isInside(box, design);
-  at("preset").value = name in data.presets ? name : ""; // blank for a file or an archive
   notice(ignored.length ? `${name}: not used by the explorer: ${ignored.join("; ")}` : "");
   update({ job, design: clamped(box, design), locked: null });
+  if (isInside(box, design)) return;
+  if (maxima) goToBest();
+  else goesToBest = true;
 }
 
 function tryToLoad(text, name) {
@@ -185,14 +218,20 @@ function tryToLoad(text, name) {
 }
 
 async function openFile(file) {
-  if (file) tryToLoad(await file.text(), file.name);
+  if (!file) return;
+  try {
+    tryToLoad(await file.text(), file.name);
+  } catch (error) {
+    if (!(error instanceof DOMException)) throw error;
+    notice(`${file.name}: cannot be read: ${error.message}`, true); // a directory, for example
+  }
 }
 
 function copyJob() {
-  const { box, unused } = valid;
+  const { box, job, unused } = valid;
   const proposed = Object.fromEntries(box.proposed.map((axis) =>
     [`lattice.${axis}`, `${box[axis].low}:${box[axis].high}:${box[axis].step}`]));
-  const text = jobText(state.job, unused, proposed, state.design);
+  const text = jobText(job, unused, proposed, state.design);
   at("jobtext").value = text;
   at("copied").textContent = "Select and copy the text:";
   navigator.clipboard?.writeText(text)
@@ -223,16 +262,23 @@ function restore() {
 }
 
 function listen() {
-  at("preset").onchange = () => tryToLoad(data.presets[at("preset").value], at("preset").value);
+  at("preset").onchange = () => {
+    const name = at("preset").value;
+    tryToLoad(data.presets[name], name);
+    at("preset").value = name;
+  };
   at("open").onclick = () => at("file").click();
-  at("file").onchange = () => openFile(at("file").files[0]);
+  at("file").onchange = () => {
+    openFile(at("file").files[0]);
+    at("file").value = ""; // so that the same file can be opened again
+  };
   at("copy").onclick = copyJob;
   at("pin").onclick = () => update({
-    pinned: state.pinned ? null : { job: { ...state.job }, design: { ...state.design } } });
+    pinned: state.pinned ? null : { job: { ...valid.job }, design: { ...state.design } } });
   at("field").onchange = () => update({ field: at("field").value, locked: null });
   at("lock").onchange = () => update({
     locked: at("lock").checked ? at("scale").dataset.limits.split(" ").map(Number) : null });
-  at("best").onclick = () => update({ design: rounded(maxima[0].design) });
+  at("best").onclick = goToBest;
   at("controls").onsubmit = (event) => event.preventDefault();
   window.addEventListener("resize", redraw);
   window.addEventListener("hashchange", () => update(restore()));
@@ -284,12 +330,6 @@ function start(ready) {
     update({ design: stored.design, field: stored.field });
   } else
     update(saved);
-}
-
-async function inflated(base64) {
-  const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Response(stream).arrayBuffer();
 }
 
 async function begin() {

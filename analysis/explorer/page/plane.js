@@ -18,12 +18,12 @@ export class PlaneView {
 
   /**
    * Takes a picture of columns x rows cells, v slowest: their values and statuses, the field, and
-   * the ranges u and v of the axes.
+   * the ranges u and v of the axes. Null: no picture.
    */
   take(data) {
     this.data = data;
     this.painted = null;
-    this.maxima = data.field === "status" ? [] : localMaxima(data);
+    this.maxima = !data || data.field === "status" ? [] : localMaxima(data);
   }
 
   /** `view` is the page's state: box, design, field, limits, optimum and pinned design. */
@@ -35,7 +35,7 @@ export class PlaneView {
                    height: height - margin.top - margin.bottom };
     const { left, top, width: w, height: h } = this.frame;
     this.#hatch(context, colours);
-    if (this.data) this.#paint(context, view);
+    if (this.data?.field === view.field) this.#paint(context, view);
     line(context, [[left, top], [left + w, top], [left + w, top + h], [left, top + h], [left, top]],
          { colour: colours.line });
     this.#axes(context, colours);
@@ -155,7 +155,7 @@ export class PlaneView {
     context.beginPath();
     context.rect(left - 1, top - 1, width + 2, height + 2);
     context.clip();
-    if (this.data && this.data.field === field)
+    if (this.data?.field === field)
       for (const cell of this.maxima) {
         const { columns, rows, u: across, v: up } = this.data;
         const part = [((cell % columns) + 0.5) / columns, (Math.floor(cell / columns) + 0.5) / rows];

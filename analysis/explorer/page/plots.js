@@ -17,23 +17,23 @@ const plots = [
 ];
 
 /** Draws all plots, one below the other; `traces` are the design's and the pinned one's. */
-export function drawPlots(canvas, traces, t, scene) {
+export function drawPlots(canvas, traces, t) {
   const { context, width, height } = prepared(canvas);
   const colours = theme();
   const shown = traces.filter((trace) => trace && trace.rows.t.length);
   if (!shown.length) return;
   plots.forEach((plot, i) => {
     const part = height / plots.length;
-    drawPlot(context, plot, shown, t, scene, colours, {
+    drawPlot(context, plot, shown, t, colours, {
       left: margin.left, top: i * part + margin.top, width: width - margin.left - margin.right,
       height: part - margin.top - margin.bottom,
     }, traces[0]);
   });
 }
 
-function drawPlot(context, { title, curves, factor = 1 }, traces, t, scene, colours, frame, first) {
+function drawPlot(context, { title, curves, factor = 1 }, traces, t, colours, frame, first) {
   const { left, top, width, height } = frame;
-  const used = curves.filter((curve) => !curve.if || curve.if(scene));
+  const used = curves.filter((curve) => !curve.if || traces.some(({ scene }) => curve.if(scene)));
   const end = Math.max(...traces.map(({ rows }) => rows.t.at(-1)));
   const values = limitsOf(traces.flatMap(({ rows }) => used.map(({ column }) => rows[column])))
     .map((value) => value * factor);

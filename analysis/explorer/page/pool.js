@@ -3,7 +3,10 @@
 import { planes } from "./space.js";
 
 export class Pool {
-  /** Starts the workers of a script's address; receive(message) gets all answers. */
+  /**
+   * Starts the workers of a script's address; receive(message) gets all answers, isCurrent in those
+   * to the last request of their kind.
+   */
   constructor(address, module, receive) {
     this.sent = new Map();    // texts of the last requests, by kind
     this.pending = new Map(); // ids of those that are not answered, by kind
@@ -11,10 +14,11 @@ export class Pool {
     this.workers = Array.from({ length: planes.length + 1 }, () => {
       const worker = new Worker(address);
       worker.onmessage = ({ data }) => {
-        if (data.isLast && this.pending.get(data.kind) === data.id) this.pending.delete(data.kind);
-        receive(data);
+        const isCurrent = this.pending.get(data.kind) === data.id;
+        if (data.isLast && isCurrent) this.pending.delete(data.kind);
+        receive({ ...data, isCurrent });
       };
-      worker.onerror = (event) => receive({ type: "failed", message: event.message });
+      worker.onerror = (event) => receive({ type: "failed", isCurrent: true, message: event.message });
       worker.postMessage({ type: "start", module });
       return worker;
     });

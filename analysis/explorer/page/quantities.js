@@ -7,7 +7,7 @@ export const quantities = [
   { field: "efficiency", label: "efficiency", unit: "%", factor: 100, searched: true },
   { field: "kinetic-energy", label: "kinetic energy", unit: "kJ", factor: 1e-3, searched: true },
   { field: "release-time", label: "release time", unit: "s" },
-  { field: "lift-off-time", label: "lift-off time", unit: "s", if: "scene.trough" },
+  { field: "lift-off-time", label: "lift-off time", unit: "s", if: (scene) => scene["scene.trough"] > 0 },
   { field: "arm-rate", label: "arm's rate w1", unit: "rad/s" },
   { field: "sling-angle", label: "sling angle phi2", unit: "rad" },
   { field: "sling-rate", label: "sling's rate w2", unit: "rad/s" },
@@ -20,20 +20,18 @@ export const quantities = [
   { field: "peak-sling-tension", label: "peak sling tension", unit: "kN", factor: 1e-3 },
   { field: "least-sling-tension", label: "least sling tension", unit: "kN", factor: 1e-3 },
   { field: "peak-hanger-tension", label: "peak hanger tension", unit: "kN", factor: 1e-3,
-    if: "scene.counterweight-hanger" },
+    if: (scene) => scene["scene.counterweight-hanger"] > 0 },
   { field: "peak-beam-stress", label: "peak beam stress", unit: "MPa", factor: 1e-6,
-    unless: "scene.beam-mass" },
+    if: (scene) => scene["scene.beam-mass"] === undefined && scene["scene.beam-side"] !== 0 },
   { field: "energy-drift", label: "energy drift", unit: "", digits: 2 },
   { field: "status", label: "status", unit: "", categories: true },
 ];
 
 export const quantityOf = new Map(quantities.map((quantity) => [quantity.field, quantity]));
 
-/** Whether a scene has a quantity; `numbers` are those of the core. */
+/** Whether a scene has a quantity, as in src/job/rules.cpp; `numbers` are those of the core. */
 export function has(quantity, numbers) {
-  if (quantity.if) return numbers[quantity.if] > 0;
-  if (quantity.unless) return !(numbers[quantity.unless] >= 0);
-  return true;
+  return quantity.if?.(numbers) ?? true;
 }
 
 /** A value in the unit shown, as text. */

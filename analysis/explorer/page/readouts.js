@@ -25,7 +25,8 @@ export function showReadouts(table, { trace, error, planeError }, numbers, pinne
     return row;
   });
   table.replaceChildren(...(pinned ? [head] : []), ...rows);
-  const text = (x) => (Number.isNaN(x) ? "–" : `${Math.max(x, 1e-15).toExponential(0)} m/s`);
+  const rounding = Number.EPSILON * trace.fields.speed;
+  const text = (x) => (Number.isNaN(x) ? "–" : `${Math.max(x, rounding).toExponential(0)} m/s`);
   document.getElementById("errors").textContent =
-    `Error of the speed: below ${text(error)}; of the planes, here: ${text(planeError)}.`;
+    `Error of the speed: about ${text(error)}; of the planes, here: ${text(planeError)}.`;
 }

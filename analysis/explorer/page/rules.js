@@ -12,13 +12,15 @@ export function parseNumber(text) {
   return /^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$/.test(trimmed) ? Number(trimmed) : NaN;
 }
 
+/** Whether a number of metres can be a length. */
+export const isLength = (x) => x >= 1e-12 && x <= 1e12;
+
 /** An axis, {first, last, step}; the step of a single value is 0. */
 function parseAxis(key, text) {
   const allowed =
     "first:last:step or a single value, in metres, each from 1e-12 to 1e+12, with first <= last";
   const [first, last = first, step = 0, ...rest] = text.split(":").map(parseNumber);
   const parts = text.split(":").length;
-  const isLength = (x) => x >= 1e-12 && x <= 1e12;
   if (rest.length || parts === 2 || !isLength(first) || !isLength(last) || first > last ||
       (parts === 3 && !isLength(step)))
     refuse(key, text, allowed);

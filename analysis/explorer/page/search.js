@@ -27,8 +27,8 @@ function coarseLattice(box) {
 
 const offsets = [-1, 0, 1].flatMap((i) => [-1, 0, 1].flatMap((j) => [-1, 0, 1].map((k) => [i, j, k])));
 
-/** The designs of a coarse lattice that no neighbour exceeds, best first. */
-function coarseMaxima(lattice, values) {
+/** The designs of a coarse lattice that no neighbour exceeds, best first, each once. */
+function coarseMaxima(box, lattice, values) {
   const worth = (i, j, k) => {
     const isInside = [i, j, k].every((x) => x >= 0 && x < points);
     const value = isInside ? values[(i * points + j) * points + k] : NaN;
@@ -41,7 +41,7 @@ function coarseMaxima(lattice, values) {
     if (value > -Infinity && offsets.every(([a, b, c]) => worth(i + a, j + b, k + c) <= value))
       maxima.push({ design, value });
   });
-  return maxima.sort((a, b) => b.value - a.value).slice(0, candidates);
+  return distinct(box, maxima).slice(0, candidates); // an axis with a single value makes copies
 }
 
 /** The 27 designs around one, at distances of `step` times the box. */
@@ -72,7 +72,7 @@ export async function search(box, evaluate) {
   const inside = lattice.filter((design) => design);
   const found = await evaluate(flat(inside), 1e-5);
   let next = 0;
-  let maxima = coarseMaxima(lattice, lattice.map((design) => (design ? found[next++] : NaN)));
+  let maxima = coarseMaxima(box, lattice, lattice.map((design) => (design ? found[next++] : NaN)));
   let steps = maxima.map(() => 0.5 / points);
   const last = 0.5 / points / 2 ** halvings;
   for (let n = 0; n < rounds && steps.some((step) => step > last); ++n) {

@@ -18,6 +18,9 @@ function refuseEmpty(key, value, why) {
   throw new InputError(key, `${key} = ${value} leaves no design: ${why}`);
 }
 
+/** In steps: distances from a bound that are at most this long are due to rounding. */
+const roundingAllowance = 1e-6;
+
 const six = (x) => Number(x.toPrecision(6));
 
 /** The strict bounds of r1 (47), m. */
@@ -27,7 +30,7 @@ function armBounds(get) {
   const rise = angleGiven ? 0 : Math.max(0, get("scene.release-height") - h0 + r4);
   const high = h0 - r4, step = get("lattice.increment");
   const hung = r4 > 0;
-  if (rise + step < high * (1 - 1e-9)) return { low: rise, high };
+  if (high - rise > step * (1 + roundingAllowance)) return { low: rise, high };
   const low = rise > 0 ? `${hung ? "h - h0 + r4" : "h - h0"} = ${six(rise)}` : "0";
   const allowed = `r1 must be longer than ${low} m and shorter than ${hung ? "h0 - r4" : "h0"} = ` +
     `${six(high)} m (47), in steps of ${step} m`;
@@ -59,14 +62,14 @@ export function boxOf(get) {
   box.r1 = explicit("r1") ?? { ...armBounds(get), step };
   box.r3 = explicit("r3");
   if (!box.r3) {
-    if (shortest >= h0)
+    if (h0 - shortest <= step * roundingAllowance)
       refuseEmpty("lattice.shortest-sling", shortest, `r3 must be shorter than h0 = ${six(h0)} m (48)`);
     box.r3 = { low: shortest, high: h0, step };
   }
   box.r2 = explicit("r2");
   if (!box.r2) {
     const longest = h0 - box.r3.low;
-    if (longest <= step * (1 + 1e-6))
+    if (longest <= step * (1 + roundingAllowance))
       refuseEmpty(get("lattice.r3") ? "lattice.r3" : "lattice.shortest-sling", box.r3.low,
                   `r2 must be shorter than h0 - r3 = ${six(longest)} m (49), in steps of ${step} m; ` +
                   "choose shorter slings or give lattice.r2");
@@ -158,10 +161,12 @@ export function moved(box, design, part) {
   }
   const excess = next.r2 + next.r3 - box.reach;
   if (excess <= 0) return next;
-  if ("r2" in part && "r3" in part) {
+  const axis = "r2" in part ? "r2" : "r3";
+  const shortened = next[axis] - excess;
+  const isOutside = shortened <= 0 || shortened < box[axis].low - 1e-9;
+  if (isOutside || ("r2" in part && "r3" in part)) {
     const { r3, r2 } = clamped(box, next);
     return { ...next, r3: Number(r3.toPrecision(12)), r2: Number(r2.toPrecision(12)) };
   }
-  const axis = "r2" in part ? "r2" : "r3";
-  return { ...next, [axis]: Number((next[axis] - excess).toPrecision(12)) };
+  return { ...next, [axis]: Number(shortened.toPrecision(12)) };
 }

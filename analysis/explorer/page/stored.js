@@ -1,5 +1,6 @@
 // The planes of an archive through its optimum, next to live values of the same designs.
 
+import { limitsOf } from "./colours.js";
 import { PlaneView } from "./plane.js";
 import { quantityOf, valueText } from "./quantities.js";
 import { checkedJob } from "./rules.js";
@@ -18,8 +19,8 @@ export class StoredPlanes {
     Object.assign(this, archive);
     this.quantity = quantityOf.get(this.field);
     at("stored").hidden = false;
-    at("stored.title").textContent = `Stored in ${this.name}: ${this.field}, planes through ` +
-      Object.entries(this.design).map(([axis, x]) => `${axis} = ${x}`).join(", ") + " m";
+    at("stored.title").textContent = `Stored in ${this.name}: ${this.quantity.label}, planes through ` +
+      `${Object.entries(this.design).map(([axis, x]) => `${axis} = ${x}`).join(", ")} m; hatched: no value`;
     this.box = { reach: Infinity };
     for (const axis of ["r1", "r3", "r2"]) {
       const { first, step, count } = this[axis];
@@ -48,12 +49,17 @@ export class StoredPlanes {
     return field === this.field ? this.views.map((view) => view.data.values) : [];
   }
 
-  /** Draws the planes; asks for live values of the stored designs nearest to the crosshairs. */
-  draw({ design, limits, pool, core }) {
+  /**
+   * Draws the planes, with limits of their own if the page shows another field; asks for live values
+   * of the stored designs nearest to the crosshairs.
+   */
+  draw({ design, field, limits, pool, core }) {
     if (!this.views.length) return;
     this.nearest = this.views.map((view) => this.#nearest(view, design));
-    this.views.forEach((view) => view.draw({ box: this.box, design, field: this.field, limits,
-                                             optimum: this.design, pinned: null }));
+    const scale = field === this.field ? limits : limitsOf(this.values(this.field));
+    this.views.forEach((view) => view.draw({
+      box: this.box, design: { ...design, [view.plane.across]: this.design[view.plane.across] }, field: this.field,
+      limits: scale, optimum: this.design, pinned: null }));
     const { numbers } = checkedJob(this.jobTexts, core);
     const designs = this.nearest.flatMap(({ point }) => [point.r1, point.r3, point.r2]);
     pool.sendOther("values", { numbers, field: this.field, designs });
@@ -73,7 +79,7 @@ export class StoredPlanes {
 
   /** Shows stored values with live ones. */
   takeLive(live) {
-    const text = (value) => `${valueText(this.quantity, value, 8)} ${this.quantity.unit}`;
+    const text = (value) => `${valueText(this.quantity, value, 7)} ${this.quantity.unit}`; // 32-bit floats
     const row = (tag, cells) => `<tr>${cells.map((cell) => `<${tag}>${cell}</${tag}>`).join("")}</tr>`;
     at("stored.values").innerHTML = row("th", ["design (m)", "stored", "live"]) +
       this.nearest.map(({ point, value }, i) =>

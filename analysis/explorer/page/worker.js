@@ -12,7 +12,7 @@ const traceTolerance = 1e-12;
 /** A looser tolerance: the difference bounds the error of the speed. */
 const checkTolerance = 1e-10;
 
-let engine;
+let engine, module;
 const latest = {};
 
 const channel = new MessageChannel();
@@ -114,19 +114,23 @@ async function sendMaxima(request) {
 const handlers =
   { plane: sendPlane, trace: sendTrace, pinned: sendTrace, values: sendValues, search: sendMaxima };
 
-onmessage = async ({ data: request }) => {
-  if (request.type === "start") {
-    engine = new Engine(request.module);
-    const { defaults, choices, fields, statuses } = engine;
-    postMessage({ type: "ready", core: { defaults, choices, fields, statuses } });
-    return;
-  }
+function start(request) {
+  module = request.module;
+  engine = new Engine(module);
+  const { defaults, choices, fields, statuses } = engine;
+  postMessage({ type: "ready", core: { defaults, choices, fields, statuses } });
+}
+
+async function handle(request) {
   latest[request.type] = request.id;
   await pause(); // a newer request may already wait
   if (latest[request.type] !== request.id) return;
   try {
     await handlers[request.type](request);
   } catch (error) {
-    answer({ ...request, type: "failed" }, { message: `${request.type}: ${error.message}` });
+    engine = new Engine(module); // a trap leaves the stack of the old one as it was
+    answer({ ...request, type: "failed" }, { failed: request.type, index: request.index, message: error.message });
   }
-};
+}
+
+onmessage = ({ data }) => (data.type === "start" ? start(data) : handle(data));
