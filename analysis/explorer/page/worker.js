@@ -7,7 +7,7 @@ import { planeDesigns, windowOf } from "./space.js";
 /** The time, ms, after which a newer request is looked for. */
 const patience = 8;
 /** Steps of a swing, after which its status is step_budget: stiff slings must not stall the page. */
-const maxSteps = { plane: 20000, search: 20000, trace: 50000, pinned: 50000, values: 50000 };
+const maxSteps = { plane: 20000, search: 50000, trace: 50000, pinned: 50000, values: 50000 };
 const traceTolerance = 1e-12;
 /** A looser tolerance: the difference bounds the error of the speed. */
 const checkTolerance = 1e-10;
@@ -104,7 +104,7 @@ async function sendMaxima(request) {
       await pause();
       if (!found || latest.search !== request.id) throw superseded;
       return found.values;
-    });
+    }, traceTolerance);
     answer(request, { maxima });
   } catch (error) {
     if (error !== superseded) throw error;
