@@ -487,6 +487,15 @@ class Controls(PageTest):
             with self.subTest(layout=name):
                 self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
                     "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600})
+    def test_a_pinned_design_has_no_value_of_what_its_machine_lacks(self):
+        self.open()
+        self.find("pin").click()
+        self.type("preset", "siege")  # with a hanger and a trough
+        self.wait_for_pictures()
+        self.assertEqual(self.text("pinned.lift-off-time"), "–")
+        self.assertEqual(self.text("pinned.peak-hanger-tension"), "–")
+        self.assertGreater(self.number("peak-hanger-tension"), 0)
+
                 self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
                     "features": [{"name": "prefers-color-scheme", "value": scheme}]})
                 self.open()

@@ -161,11 +161,11 @@ function draw() {
 /** Shows the swing of the design, and that of the pinned one. */
 function drawSwing(numbers) {
   for (const name of ["headline", "readouts", "errors"]) at(name).hidden = !live;
-  const other = state.pinned && pinned;
+  const others = state.pinned && pinned && checkedJob(state.pinned.job, core);
   animation.show([live && { ...live.trace, scene: machineOf(valid) },
                   other && { ...other, scene: machineOf(checkedJob(state.pinned.job, core)) }]);
   if (!live) return;
-  showReadouts(at("readouts"), live, numbers, other, core);
+  showReadouts(at("readouts"), live, numbers, others && { trace: pinned, numbers: others.numbers }, core);
   const { fields, status } = live.trace;
   at("headline").textContent = Number.isNaN(fields.speed) ? status.replaceAll("_", " ")
     : `${fields.speed.toFixed(8)} m/s`;
