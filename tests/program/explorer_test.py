@@ -322,6 +322,24 @@ class Jobs(PageTest):
 
     def test_the_address_keeps_scene_design_and_pinned_design(self):
         self.open({"scene.projectile-mass": "50"}, {"r1": "0.6", "r3": "0.5", "r2": "0.8"}, field="range")
+    def test_axes_in_comments_are_not_a_design(self):
+        self.open()
+        self.find("file").send_keys(f"{JOBS}/paper.cfg")
+        self.wait(lambda: self.text("notice"))
+        self.assertEqual(self.design(), {"r1": 0.51, "r3": 0.58, "r2": 0.91})
+        self.assertIn("solver.stepper = euler", self.text("notice"))
+        self.type("design.r1", "0.6")
+        self.assertEqual(self.text("notice"), "")
+
+    def test_an_opened_job_replaces_the_text_of_the_focused_field(self):
+        self.open()
+        self.find("scene.projectile-mass").send_keys("7")
+        self.script("location.hash = 'scene.projectile-mass=42&r1=0.6&r3=0.5&r2=0.8'")
+        self.wait(lambda: self.find("scene.projectile-mass").get_property("value") == "42")
+        self.find("design.r1").send_keys("1")
+        self.script("location.hash = 'scene.projectile-mass=42&r1=0.65&r3=0.5&r2=0.8'")
+        self.wait(lambda: self.find("design.r1").get_property("value") == "0.65")
+
         self.find("pin").click()
         self.type("scene.projectile-mass", "80")
         self.wait_for_pictures()

@@ -3,6 +3,7 @@
 import { InputError } from "./input_error.js";
 import { keyByName } from "./keys.js";
 import { isLength } from "./rules.js";
+import { axes } from "./space.js";
 
 /** The keys of a job file's text, as {"section.key": "value"}. Throws InputError for other lines. */
 function parsed(text, name) {
@@ -63,13 +64,14 @@ export function readJob(text, name, presets) {
   return { job, ignored };
 }
 
-/** The design in a job file's comments, "--r1 0.5 ..." or "r1 = 0.5 m, ..."; null without one. */
+/** The design in a line of comment, "--r1 0.5 ..." or "r1 = 0.5 m, ...", with all three lengths; null without one. */
 export function suggestedDesign(text) {
-  const design = {};
-  const comments = (text.match(/^#.*$/gm) ?? []).join("\n");
-  for (const [, axis, value] of comments.matchAll(/\b(r[123]) (?:= )?(\d+(?:\.\d+)?)/g))
-    design[axis] = Number(value);
-  return Object.keys(design).length === 3 ? design : null;
+  for (const line of text.match(/^#.*$/gm) ?? []) {
+    const lengths = [...line.matchAll(/\b(r[123]) (?:= )?(\d+(?:\.\d+)?(?:e[+-]?\d+)?)(?![\d.:e])/g)];
+    const design = Object.fromEntries(lengths.map(([, axis, value]) => [axis, Number(value)]));
+    if (axes.every((axis) => isLength(design[axis]))) return design;
+  }
+  return null;
 }
 
 /** A job file for trebsweep; `proposed` are lattice axes, {key: text}, that the job does not give. */
@@ -89,8 +91,6 @@ export function jobText(job, unused, proposed, design) {
   }
   return `${lines.join("\n")}\n`;
 }
-
-const axes = ["r1", "r3", "r2"];
 
 /** The state of the page as the fragment of its address. */
 export function toFragment({ job, design, field, locked, pinned }) {
