@@ -273,6 +273,13 @@ class Jobs(PageTest):
         self.assertEqual(len(names), len(os.listdir(f"{JOBS}/scenes")) + 1)
         for name in names:
             with self.subTest(preset=name):
+        scale = lambda: self.find("stored.scale").is_displayed()  # noqa: E731
+        self.assertFalse(scale())  # one for all planes
+        self.type("field", "range")
+        self.wait_for_pictures()
+        self.assertTrue(scale())
+        self.type("field", "speed")
+        self.wait_for_pictures()
                 self.type("preset", name)
                 self.wait_for_pictures()
                 job = self.write("copied.cfg", self.copied_job())

@@ -295,11 +295,6 @@ function listen() {
   });
 }
 
-/** The keys of the job of an archive. */
-function storedJob() {
-  return readJob(data.stored.job, data.stored.name, data.presets).job;
-}
-
 /** Shows the colours of the statuses. */
 function showLegend() {
   at("legend").append(...core.statuses.map((name, status) => {
@@ -318,7 +313,7 @@ function start(ready) {
   controls = new Controls(at("controls"), core, (name, text) => update({ job: { ...state.job, [name]: text } }));
   designFields = new DesignFields(at("design"), (design) => update({ design: { ...state.design, ...design } }));
   animation = new Animation();
-  stored = new StoredPlanes(data.stored && { ...data.stored, jobTexts: storedJob() }, move);
+  stored = new StoredPlanes(data.stored, data.presets, move);
   at("field").append(...quantities.map(({ field, label }) => new Option(label, field)));
   at("preset").append(...Object.keys(data.presets).sort().map((name) => new Option(name, name)));
   at("preset").value = "paper";
