@@ -107,7 +107,10 @@ export function toFragment({ job, design, field, locked, pinned }) {
   return parameters.toString();
 }
 
-/** The state of a fragment; job, design and field are missing, others null, if it lacks them. */
+/** The design that the page starts with: the optimum of the paper's lattice. */
+export const firstDesign = { r1: 0.51, r3: 0.58, r2: 0.91 };
+
+/** The state of a fragment, with defaults where it lacks something; `isGiven`: whether it has a job or a design. */
 export function fromFragment(fragment) {
   const parameters = new URLSearchParams(fragment);
   const get = (prefix) => {
@@ -118,11 +121,14 @@ export function fromFragment(fragment) {
       if (keyByName.has(key)) job[key] = value;
       if (axes.includes(key) && isLength(Number(value))) design[key] = Number(value);
     }
-    return Object.keys(design).length === 3 ? { job, design } : null;
+    const isGiven = Object.keys({ ...job, ...design }).length > 0;
+    return isGiven ? { job, design: { ...firstDesign, ...design } } : null;
   };
-  const state = get("") ?? {};
-  if (parameters.has("field")) state.field = parameters.get("field");
+  const given = get("");
   const scale = (parameters.get("scale") ?? "").split(":").map(Number);
   const isScale = scale.length === 2 && scale.every(Number.isFinite) && scale[0] < scale[1];
-  return { ...state, locked: isScale ? scale : null, pinned: get("pinned.") };
+  return {
+    ...(given ?? { job: {}, design: firstDesign }), isGiven: given !== null, field: parameters.get("field"),
+    locked: isScale ? scale : null, pinned: get("pinned."),
+  };
 }
