@@ -237,6 +237,18 @@ class Numbers(PageTest):
         for axis, length in self.design().items():
             self.assertAlmostEqual(length, found[axis], delta=1e-3)
 
+    def test_the_best_design_next_to_an_edge_keeps_its_value(self):
+        self.open()
+        self.type("preset", "siege")
+        self.type("solver.release", "farthest")
+        self.type("field", "range")
+        self.wait_for_pictures()
+        promised = float(re.search(r": (\S+) m$", self.text("best"))[1])
+        self.find("best").click()
+        self.wait_for_pictures()
+        self.assertGreater(promised, 500)
+        self.assertAlmostEqual(self.number("range"), promised, delta=1e-3)
+
     def test_stored_planes_agree_with_live_values(self):
         self.check_stored("optimum.h5", [], "100")
         self.check_stored("study.h5", ["--at", "projectile-mass=200"], "200", "--scene.projectile-mass", "100, 200")
@@ -261,6 +273,13 @@ class Numbers(PageTest):
         self.assertEqual(len(rows), 3)
         for _, stored, live in rows:
             self.assertAlmostEqual(stored, live, delta=2e-5)  # seven digits are shown
+        scale = lambda: self.find("stored.scale").is_displayed()  # noqa: E731
+        self.assertFalse(scale())  # one for all planes
+        self.type("field", "range")
+        self.wait_for_pictures()
+        self.assertTrue(scale())
+        self.type("field", "speed")
+        self.wait_for_pictures()
         self.save_picture(name.replace(".h5", ".png"))
 
 
@@ -303,6 +322,24 @@ class Jobs(PageTest):
         self.assertIn("scene.gravity = -9.8: must be a number above 0", self.text("notice"))
         self.assertEqual(self.find("scene.projectile-mass").get_property("value"), "0.717")
 
+    def test_axes_in_comments_are_not_a_design(self):
+        self.open()
+        self.find("file").send_keys(f"{JOBS}/paper.cfg")
+        self.wait(lambda: self.text("notice"))
+        self.assertEqual(self.design(), {"r1": 0.51, "r3": 0.58, "r2": 0.91})
+        self.assertIn("solver.stepper = euler", self.text("notice"))
+        self.type("design.r1", "0.6")
+        self.assertEqual(self.text("notice"), "")
+
+    def test_an_opened_job_replaces_the_text_of_the_focused_field(self):
+        self.open()
+        self.find("scene.projectile-mass").send_keys("7")
+        self.script("location.hash = 'scene.projectile-mass=42&r1=0.6&r3=0.5&r2=0.8'")
+        self.wait(lambda: self.find("scene.projectile-mass").get_property("value") == "42")
+        self.find("design.r1").send_keys("1")
+        self.script("location.hash = 'scene.projectile-mass=42&r1=0.65&r3=0.5&r2=0.8'")
+        self.wait(lambda: self.find("design.r1").get_property("value") == "0.65")
+
     def test_a_job_file_dropped_on_the_page_is_opened(self):
         drop = """const data = new DataTransfer();
                   if (arguments[0]) data.items.add(new File([arguments[0]], 'dropped.cfg'));
@@ -336,10 +373,24 @@ class Jobs(PageTest):
         self.assertEqual(self.find("field").get_property("value"), "range")
 
     def test_nonsense_in_the_address_is_left_out(self):
-        self.open(design={"r1": "Infinity", "r3": "0.5", "r2": "0.8"}, field="nothing",
+        self.open(design={"r1": "1e400", "r3": "0.58", "r2": "0.91"}, field="nothing",
                   scale="9007199254740993:9007199254740996")
         self.assertAlmostEqual(self.number("speed"), OPTIMUM, delta=TOLERANCE)
         self.assertEqual(self.find("field").get_property("value"), "speed")
+
+    def test_a_mistake_in_the_address_leaves_out_its_key_alone(self):
+        self.open({"scene.projectile-mass": "50", "scene.gravity": "-9", "pinned.scene.wind": "x", "pinned.r1": "0.6"})
+        self.assertEqual(self.find("scene.projectile-mass").get_property("value"), "50")
+        self.assertIn("scene.gravity = -9: must be", self.text("notice"))
+        self.assertIn("pinned: scene.wind = x: must be", self.text("notice"))
+        self.assertIsNotNone(self.text("pinned.speed"))
+        time.sleep(0.5)  # longer than the page waits before it writes its address
+        self.assertIn("gravity=-9", self.browser.current_url)
+        self.script("location.hash = 'scene.projectile-mass=60&r1=0.6'")
+        self.wait(lambda: self.find("scene.projectile-mass").get_property("value") == "60")
+        self.wait_for_pictures()
+        self.assertEqual(self.design(), {"r1": 0.6, "r3": 0.58, "r2": 0.91})
+        self.assertIsNone(self.text("pinned.speed"))
 
     def test_keys_that_the_page_does_not_use_are_named(self):
         self.open()
@@ -356,6 +407,10 @@ class Jobs(PageTest):
         preset = lambda: self.find("preset").get_property("value")  # noqa: E731
         self.assertEqual(preset(), "paper")
         self.type("preset", "wood")
+        self.assertEqual(preset(), "wood")
+        self.wait(lambda: "scene." in self.browser.current_url)
+        self.browser.refresh()
+        self.wait(lambda: self.text("readout.status"))
         self.assertEqual(preset(), "wood")
         self.type("scene.projectile-mass", "50")
         self.assertEqual(preset(), "")
@@ -431,6 +486,15 @@ class Controls(PageTest):
             self.find("pin").click()
             self.wait_for_pictures()
             self.assertIsNone(self.text("pinned.speed"))
+
+    def test_a_pinned_design_has_no_value_of_what_its_machine_lacks(self):
+        self.open()
+        self.find("pin").click()
+        self.type("preset", "siege")  # with a hanger and a trough
+        self.wait_for_pictures()
+        self.assertEqual(self.text("pinned.lift-off-time"), "–")
+        self.assertEqual(self.text("pinned.peak-hanger-tension"), "–")
+        self.assertGreater(self.number("peak-hanger-tension"), 0)
 
     def test_a_slider_moves_planes_readouts_and_machine(self):
         self.open()

@@ -49,7 +49,8 @@ function row(key, core, change) {
                                       oninput: () => change(id, scale.value(Number(slider.value))) });
     slider.setAttribute("aria-label", `${key.label}, slider`);
     slider.setPosition = (x) => {
-      slider.value = scale.position(x);
+      const isOwnEdit = scale.value(Number(slider.value)) === String(x);
+      if (!isOwnEdit) slider.value = scale.position(x);
       slider.setAttribute("aria-valuetext", `${x} ${key.unit}`);
     };
     parts.push(slider);
@@ -73,10 +74,11 @@ export class Controls {
       const isMissing = value === null || Number.isNaN(value);
       const text = job[key.name] ?? "";
       if (key.kind === "choice") input.value = value;
-      else if (input !== document.activeElement) input.value = text !== "" || isMissing ? text : shortText(value);
+      else if (input !== document.activeElement || input.value.trim() !== text) // not while the user edits it
+        input.value = text !== "" || isMissing ? text : shortText(value);
       if (key.kind !== "choice") input.placeholder = isMissing ? "not given" : shortText(value);
       const slider = document.getElementById(`${key.name}.slider`);
-      if (slider && slider !== document.activeElement) slider.setPosition(isMissing ? 0 : value);
+      if (slider) slider.setPosition(isMissing ? 0 : value);
       const why = unused.get(key.name);
       for (const control of [input, slider]) if (control) control.disabled = why !== undefined;
       input.closest(".key").classList.toggle("unused", why !== undefined);

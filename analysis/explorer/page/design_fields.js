@@ -9,6 +9,7 @@ export class DesignFields {
   /** change({r1}) reports an edit. */
   constructor(parent, change) {
     this.ranges = {};
+    this.shown = {}; // the last design
     for (const axis of axes) {
       const row = document.createElement("div");
       row.className = "key";
@@ -25,18 +26,22 @@ export class DesignFields {
         this.#report(axis, isLength(x) ? "" : "must be a number above 0, from 1e-12 to 1e+12");
         if (isLength(x)) change({ [axis]: x });
       };
-      slider.oninput = () => {
-        const { low, high } = this.ranges[axis];
-        const x = low + (slider.value / resolution) * (high - low);
-        change({ [axis]: Number(Math.max(x, 1e-3 * high).toPrecision(3)) });
-      };
+      slider.oninput = () => change({ [axis]: this.#lengthAt(axis, slider.value) });
     }
+  }
+
+  /** The length at a slider's position. */
+  #lengthAt(axis, position) {
+    const { low, high } = this.ranges[axis];
+    const x = low + (position / resolution) * (high - low);
+    return Number(Math.max(x, 1e-3 * high).toPrecision(3));
   }
 
   /** Shows what is wrong with a field, or nothing. */
   #report(axis, mistake) {
     const input = document.getElementById(`design.${axis}`);
-    document.getElementById(`design.${axis}.message`).textContent = mistake && `${axis} = ${input.value}: ${mistake}`;
+    document.getElementById(`design.${axis}.message`).textContent =
+      mistake && `${axis}${input.value.trim() && ` = ${input.value}`}: ${mistake}`;
     input.setAttribute("aria-invalid", String(mistake !== ""));
   }
 
@@ -46,12 +51,15 @@ export class DesignFields {
       const { low, high } = this.ranges[axis];
       const input = document.getElementById(`design.${axis}`);
       const slider = document.getElementById(`design.${axis}.slider`);
-      if (input !== document.activeElement) {
+      const isOwnEdit = design[axis] === this.shown[axis] || design[axis] === parseNumber(input.value);
+      if (input !== document.activeElement || !isOwnEdit) {
         input.value = String(design[axis]);
         this.#report(axis, "");
       }
-      if (slider !== document.activeElement) slider.value = ((design[axis] - low) / (high - low)) * resolution;
+      if (this.#lengthAt(axis, slider.value) !== design[axis])
+        slider.value = ((design[axis] - low) / (high - low)) * resolution;
       slider.setAttribute("aria-valuetext", `${design[axis]} m`);
+      this.shown[axis] = design[axis];
     }
   }
 }

@@ -3,6 +3,7 @@
 import { InputError } from "./input_error.js";
 import { keyByName } from "./keys.js";
 import { isLength } from "./rules.js";
+import { axes } from "./space.js";
 
 /** The keys of a job file's text, as {"section.key": "value"}. Throws InputError for other lines. */
 function parsed(text, name) {
@@ -63,13 +64,14 @@ export function readJob(text, name, presets) {
   return { job, ignored };
 }
 
-/** The design in a job file's comments, "--r1 0.5 ..." or "r1 = 0.5 m, ..."; null without one. */
+/** The design in a line of comment, "--r1 0.5 ..." or "r1 = 0.5 m, ...", with all three lengths; null without one. */
 export function suggestedDesign(text) {
-  const design = {};
-  const comments = (text.match(/^#.*$/gm) ?? []).join("\n");
-  for (const [, axis, value] of comments.matchAll(/\b(r[123]) (?:= )?(\d+(?:\.\d+)?)/g))
-    design[axis] = Number(value);
-  return Object.keys(design).length === 3 ? design : null;
+  for (const line of text.match(/^#.*$/gm) ?? []) {
+    const lengths = [...line.matchAll(/\b(r[123]) (?:= )?(\d+(?:\.\d+)?(?:e[+-]?\d+)?)(?![\d.:e])/g)];
+    const design = Object.fromEntries(lengths.map(([, axis, value]) => [axis, Number(value)]));
+    if (axes.every((axis) => isLength(design[axis]))) return design;
+  }
+  return null;
 }
 
 /** A job file for trebsweep; `proposed` are lattice axes, {key: text}, that the job does not give. */
@@ -90,8 +92,6 @@ export function jobText(job, unused, proposed, design) {
   return `${lines.join("\n")}\n`;
 }
 
-const axes = ["r1", "r3", "r2"];
-
 /** The state of the page as the fragment of its address. */
 export function toFragment({ job, design, field, locked, pinned }) {
   const parameters = new URLSearchParams();
@@ -107,7 +107,10 @@ export function toFragment({ job, design, field, locked, pinned }) {
   return parameters.toString();
 }
 
-/** The state of a fragment; job, design and field are missing, others null, if it lacks them. */
+/** The design that the page starts with: the optimum of the paper's lattice. */
+export const firstDesign = { r1: 0.51, r3: 0.58, r2: 0.91 };
+
+/** The state of a fragment, with defaults where it lacks something; `isGiven`: whether it has a job or a design. */
 export function fromFragment(fragment) {
   const parameters = new URLSearchParams(fragment);
   const get = (prefix) => {
@@ -118,11 +121,14 @@ export function fromFragment(fragment) {
       if (keyByName.has(key)) job[key] = value;
       if (axes.includes(key) && isLength(Number(value))) design[key] = Number(value);
     }
-    return Object.keys(design).length === 3 ? { job, design } : null;
+    const isGiven = Object.keys({ ...job, ...design }).length > 0;
+    return isGiven ? { job, design: { ...firstDesign, ...design } } : null;
   };
-  const state = get("") ?? {};
-  if (parameters.has("field")) state.field = parameters.get("field");
+  const given = get("");
   const scale = (parameters.get("scale") ?? "").split(":").map(Number);
   const isScale = scale.length === 2 && scale.every(Number.isFinite) && scale[0] < scale[1];
-  return { ...state, locked: isScale ? scale : null, pinned: get("pinned.") };
+  return {
+    ...(given ?? { job: {}, design: firstDesign }), isGiven: given !== null, field: parameters.get("field"),
+    locked: isScale ? scale : null, pinned: get("pinned."),
+  };
 }

@@ -55,7 +55,7 @@ export function drawMachine(canvas, traces, t) {
   context.fillStyle = colours.faint;
   context.fillRect(0, level, width, height - level);
   line(context, [[0, level], [width, level]], { colour: colours.line });
-  const pixel = 60 / scale, bar = ticks(0, 2 * pixel, 2)[1] ?? pixel;
+  const pixel = 60 / scale, bar = ticks(0, 2.5 * pixel, 2.5)[1]; // steps of 1, 2 and 5
   line(context, [[10, 12], [10 + scale * bar, 12]], { colour: colours.text, width: 2 });
   context.fillStyle = colours.text;
   context.textBaseline = "top";

@@ -8,13 +8,13 @@ import { Controls } from "./controls.js";
 import { DesignFields } from "./design_fields.js";
 import { inflated } from "./inflated.js";
 import { InputError } from "./input_error.js";
-import { fromFragment, jobText, readJob, suggestedDesign, toFragment } from "./jobfile.js";
+import { firstDesign, fromFragment, jobText, readJob, suggestedDesign, toFragment } from "./jobfile.js";
 import { machineOf } from "./machine.js";
 import { Pool } from "./pool.js";
 import { has, quantities, quantityOf, valueText } from "./quantities.js";
 import { showReadouts } from "./readouts.js";
-import { checkedJob } from "./rules.js";
-import { axes, clamped, isInside, moved, planes } from "./space.js";
+import { checkedJob, mended } from "./rules.js";
+import { clamped, isInside, moved, planes } from "./space.js";
 import { StoredPlanes } from "./stored.js";
 
 const data = JSON.parse(document.getElementById("data").textContent);
@@ -25,8 +25,7 @@ const planeTolerance = 1e-7;
 const passes = [[25, 1e-5], [100, planeTolerance]];
 
 const state = {
-  job: {}, design: { r1: 0.51, r3: 0.58, r2: 0.91 }, field: "speed", locked: null,
-  pinned: null,
+  job: {}, design: firstDesign, field: "speed", locked: null, pinned: null,
 };
 /** Known from the core, once it has started. */
 let core = null;
@@ -40,7 +39,7 @@ let pool, views, controls, designFields, animation, stored;
 /** Asks for what depends on the state; called after each change. */
 function update(change) {
   Object.assign(state, change);
-  if (change.job) at("preset").value = Object.keys(state.job).length ? "" : "paper";
+  if (change.job) at("preset").value = presetOf(state.job);
   if (change.design) goesToBest = false;
   let mistake = null;
   try {
@@ -54,8 +53,22 @@ function update(change) {
   if (!valid) return;
   if (!has(quantityOf.get(state.field), valid.numbers)) Object.assign(state, { field: "speed", locked: null });
   ask();
-  if (!mistake) remember();
+  remember();
   redraw();
+}
+
+/** A change by the user, who has read the last notice. */
+function edit(change) {
+  notice("");
+  update(change);
+}
+
+/** The name of the preset that a job is, or ""; the defaults are those of the paper. */
+function presetOf(job) {
+  const text = (texts) => JSON.stringify(Object.entries(texts).filter(([, value]) => value !== "").sort());
+  if (text(job) === "[]") return "paper";
+  return Object.keys(data.presets).find((name) =>
+    text(readJob(data.presets[name], name, data.presets).job) === text(job)) ?? "";
 }
 
 /** Sends requests; those that have not changed since are left out. */
@@ -115,7 +128,7 @@ function fail({ failed, index, message }) {
 
 function goToBest() {
   goesToBest = false;
-  if (maxima?.length) update({ design: rounded(maxima[0].design) });
+  if (maxima?.length) update({ design: maxima[0].design });
 }
 
 let isWaiting = false;
@@ -161,11 +174,11 @@ function draw() {
 /** Shows the swing of the design, and that of the pinned one. */
 function drawSwing(numbers) {
   for (const name of ["headline", "readouts", "errors"]) at(name).hidden = !live;
-  const other = state.pinned && pinned;
+  const others = state.pinned && pinned && checkedJob(state.pinned.job, core);
   animation.show([live && { ...live.trace, scene: machineOf(valid) },
-                  other && { ...other, scene: machineOf(checkedJob(state.pinned.job, core)) }]);
+                  others && { ...pinned, scene: machineOf(others) }]);
   if (!live) return;
-  showReadouts(at("readouts"), live, numbers, other, core);
+  showReadouts(at("readouts"), live, numbers, others && { trace: pinned, numbers: others.numbers }, core);
   const { fields, status } = live.trace;
   at("headline").textContent = Number.isNaN(fields.speed) ? status.replaceAll("_", " ")
     : `${fields.speed.toFixed(8)} m/s`;
@@ -174,10 +187,6 @@ function drawSwing(numbers) {
 function notice(text, isWrong = false) {
   at("notice").textContent = text;
   at("notice").classList.toggle("wrong", isWrong);
-}
-
-function rounded(design) {
-  return Object.fromEntries(axes.map((axis) => [axis, Number(design[axis].toPrecision(7))]));
 }
 
 /** The buttons that lead to the best designs. */
@@ -191,7 +200,7 @@ function showMaxima() {
     const button = document.createElement("button");
     button.type = "button";
     button.textContent = `Local maximum: ${text(maximum)}`;
-    button.onclick = () => update({ design: rounded(maximum.design) });
+    button.onclick = () => edit({ design: maximum.design });
     return button;
   }));
 }
@@ -244,28 +253,23 @@ let memory = 0;
 /** Writes the state to the address, at most a few times a second. */
 function remember() {
   clearTimeout(memory);
-  memory = setTimeout(() => history.replaceState(null, "", `#${toFragment(state)}`), 300);
+  memory = setTimeout(() => history.replaceState(null, "", `#${toFragment({ ...state, job: valid.job })}`), 300);
 }
 
-function restore() {
-  const saved = fromFragment(location.hash.slice(1));
-  if (saved.field && !quantityOf.has(saved.field)) delete saved.field;
-  try {
-    if (saved.job) checkedJob(saved.job, core);
-    if (saved.pinned) checkedJob(saved.pinned.job, core);
-    return saved;
-  } catch (error) {
-    if (!(error instanceof InputError)) throw error;
-    notice(`The address of the page: ${error.message}`, true);
-    return {};
-  }
+/** Takes the state of the address, without what is wrong in it. The address stays as it is until the next edit. */
+function restore({ isGiven, ...saved }) {
+  const live = mended(saved.job, core), other = saved.pinned && mended(saved.pinned.job, core);
+  update({ ...saved, job: live.job, field: quantityOf.has(saved.field) ? saved.field : "speed",
+           pinned: other && { ...saved.pinned, job: other.job } });
+  clearTimeout(memory);
+  const mistakes = [...live.mistakes, ...(other?.mistakes.map((text) => `pinned: ${text}`) ?? [])];
+  notice(mistakes.length ? `The address of the page: ${mistakes.join("; ")}` : "", mistakes.length > 0);
 }
 
 function listen() {
   at("preset").onchange = () => {
     const name = at("preset").value;
     tryToLoad(data.presets[name], name);
-    at("preset").value = name;
   };
   at("open").onclick = () => at("file").click();
   at("file").onchange = () => {
@@ -273,15 +277,15 @@ function listen() {
     at("file").value = ""; // so that the same file can be opened again
   };
   at("copy").onclick = copyJob;
-  at("pin").onclick = () => update({
+  at("pin").onclick = () => edit({
     pinned: state.pinned ? null : { job: { ...valid.job }, design: { ...state.design } } });
-  at("field").onchange = () => update({ field: at("field").value, locked: null });
+  at("field").onchange = () => edit({ field: at("field").value, locked: null });
   at("lock").onchange = () => update({
     locked: at("lock").checked ? at("scale").dataset.limits.split(" ").map(Number) : null });
-  at("best").onclick = goToBest;
+  at("best").onclick = () => edit({ design: maxima[0].design });
   at("controls").onsubmit = (event) => event.preventDefault();
   window.addEventListener("resize", redraw);
-  window.addEventListener("hashchange", () => update(restore()));
+  window.addEventListener("hashchange", () => restore(fromFragment(location.hash.slice(1))));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
   document.addEventListener("dragover", (event) => {
     event.preventDefault();
@@ -293,11 +297,6 @@ function listen() {
     document.body.classList.remove("dropping");
     openFile(event.dataTransfer.files[0]);
   });
-}
-
-/** The keys of the job of an archive. */
-function storedJob() {
-  return readJob(data.stored.job, data.stored.name, data.presets).job;
 }
 
 /** Shows the colours of the statuses. */
@@ -313,23 +312,22 @@ function showLegend() {
 /** Builds the page, once the core has started. */
 function start(ready) {
   core = ready;
-  const move = (part) => update({ design: moved(valid.box, state.design, part(state.design)) });
+  const move = (part) => edit({ design: moved(valid.box, state.design, part(state.design)) });
   views = planes.map((plane, i) => new PlaneView(at(`plane.${i}`), plane, move));
-  controls = new Controls(at("controls"), core, (name, text) => update({ job: { ...state.job, [name]: text } }));
-  designFields = new DesignFields(at("design"), (design) => update({ design: { ...state.design, ...design } }));
+  controls = new Controls(at("controls"), core, (name, text) => edit({ job: { ...state.job, [name]: text } }));
+  designFields = new DesignFields(at("design"), (design) => edit({ design: { ...state.design, ...design } }));
   animation = new Animation();
-  stored = new StoredPlanes(data.stored && { ...data.stored, jobTexts: storedJob() }, move);
+  stored = new StoredPlanes(data.stored, data.presets, move);
   at("field").append(...quantities.map(({ field, label }) => new Option(label, field)));
   at("preset").append(...Object.keys(data.presets).sort().map((name) => new Option(name, name)));
-  at("preset").value = "paper";
   showLegend();
   listen();
-  const saved = restore();
-  if (stored.job && !saved.job) {
+  const saved = fromFragment(location.hash.slice(1));
+  if (stored.job && !saved.isGiven) {
     tryToLoad(stored.job, stored.name);
     update({ design: stored.design, field: stored.field });
   } else
-    update(saved);
+    restore(saved);
 }
 
 async function begin() {

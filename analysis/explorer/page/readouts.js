@@ -9,7 +9,7 @@ function cell(tag, text, id) {
   return made;
 }
 
-/** Fills the table; `pinned` is a trace or null. Rows have the meanings of the core's fields. */
+/** Fills the table; `pinned` is {trace, numbers} or null. Rows have the meanings of the core's fields. */
 export function showReadouts(table, { trace, error, planeError }, numbers, pinned, core) {
   const value = (quantity, shown) =>
     quantity.field === "status" ? shown.status.replaceAll("_", " ")
@@ -21,7 +21,10 @@ export function showReadouts(table, { trace, error, planeError }, numbers, pinne
     row.title = core.fields.find(({ name }) => name === quantity.field).meaning;
     const label = quantity.unit ? `${quantity.label} (${quantity.unit})` : quantity.label;
     row.append(cell("th", label), cell("td", value(quantity, trace), `readout.${quantity.field}`));
-    if (pinned) row.append(cell("td", value(quantity, pinned), `pinned.${quantity.field}`));
+    if (pinned) {
+      const text = has(quantity, pinned.numbers) ? value(quantity, pinned.trace) : "–";
+      row.append(cell("td", text, `pinned.${quantity.field}`));
+    }
     return row;
   });
   table.replaceChildren(...(pinned ? [head] : []), ...rows);

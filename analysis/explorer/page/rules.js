@@ -122,6 +122,21 @@ function numbersOf(values, unused, core) {
   return numbers;
 }
 
+/** A job without the keys that checkedJob refuses, as {job, mistakes}: their messages. */
+export function mended(job, core) {
+  const kept = { ...job }, mistakes = [];
+  for (;;)
+    try {
+      checkedJob(kept, core);
+      return { job: kept, mistakes };
+    } catch (error) {
+      if (!(error instanceof InputError)) throw error;
+      mistakes.push(error.message);
+      if (error.key in kept) delete kept[error.key];
+      else Object.keys(kept).forEach((name) => delete kept[name]); // a rule between other keys
+    }
+}
+
 /**
  * The numbers of a job for the core, the box of its design space, and the unused keys.
  * @param core {defaults: numbers by key, choices: names by key}

@@ -63,11 +63,35 @@ function distinct(box, maxima) {
   return kept;
 }
 
+/** A design with lengths of seven digits, which people can read, within the bounds. */
+function rounded(box, design) {
+  const length = (axis) =>
+    Math.min(Math.max(Number(design[axis].toPrecision(7)), box[axis].low), box[axis].high);
+  const r3 = length("r3");
+  return { r1: length("r1"), r3, r2: Math.min(length("r2"), Number((box.reach - r3).toPrecision(12))) };
+}
+
 /**
- * The local maxima of a field over the box, best first, as {design, value}. evaluate(designs,
- * tolerance) resolves to the values of a flat array of designs, NaN where there is none.
+ * The maxima with rounded lengths and their values at a tight tolerance. Next to an edge, at which
+ * the values jump, both can lead across it: the best of the rounded designs around replaces them.
  */
-export async function search(box, evaluate) {
+async function settled(box, maxima, evaluate, tolerance) {
+  const distances = Array.from({ length: 7 }, (_, n) => (0.5 / points) * 4 ** -n);
+  const trials = maxima.map(({ design }) =>
+    [design, ...distances.flatMap((distance) => around(box, design, distance))].map((trial) => rounded(box, trial)));
+  const values = await evaluate(flat(trials.flat()), tolerance);
+  let next = 0;
+  return trials.map((designs) => designs.map((design) => ({ design, value: values[next++] }))
+    .reduce((best, trial) => (trial.value > best.value || Number.isNaN(best.value) ? trial : best)))
+    .filter(({ value }) => !Number.isNaN(value));
+}
+
+/**
+ * The local maxima of a field over the box, best first, as {design, value}: rounded designs and their
+ * values at `tolerance`. evaluate(designs, tolerance) resolves to the values of a flat array of
+ * designs, NaN where there is none.
+ */
+export async function search(box, evaluate, tolerance) {
   const lattice = coarseLattice(box);
   const inside = lattice.filter((design) => design);
   const found = await evaluate(flat(inside), 1e-5);
@@ -89,5 +113,5 @@ export async function search(box, evaluate) {
       return best;
     });
   }
-  return distinct(box, maxima);
+  return distinct(box, await settled(box, distinct(box, maxima), evaluate, tolerance));
 }

@@ -1,7 +1,8 @@
 // The planes of an archive through its optimum, next to live values of the same designs.
 
 import { limitsOf } from "./colours.js";
-import { PlaneView } from "./plane.js";
+import { readJob } from "./jobfile.js";
+import { drawScale, PlaneView } from "./plane.js";
 import { quantityOf, valueText } from "./quantities.js";
 import { checkedJob } from "./rules.js";
 import { planes } from "./space.js";
@@ -10,14 +11,19 @@ const at = (id) => document.getElementById(id);
 
 export class StoredPlanes {
   /**
-   * @param archive null, or {name, job, jobTexts, field, design, r1, r3, r2: {first, step, count},
-   *   planes: values by the axis that is constant}
+   * @param archive null, or {name, job, field, design, r1, r3, r2: {first, step, count}, planes: values
+   *   by the axis that is constant}; `presets`: texts of scenes by name
    */
-  constructor(archive, move) {
+  constructor(archive, presets, move) {
     this.views = [];
     if (!archive) return;
     Object.assign(this, archive);
     this.quantity = quantityOf.get(this.field);
+    const { job, ignored } = readJob(this.job, this.name, presets);
+    this.jobTexts = job;
+    const solver = ignored.filter((text) => text.startsWith("solver.")).join(", ");
+    at("stored.solver").textContent =
+      solver && `The archive was computed with ${solver}, which the page does not have: its values differ.`;
     at("stored").hidden = false;
     at("stored.title").textContent = `Stored in ${this.name}: ${this.quantity.label}, planes through ` +
       `${Object.entries(this.design).map(([axis, x]) => `${axis} = ${x}`).join(", ")} m; hatched: no value`;
@@ -56,7 +62,11 @@ export class StoredPlanes {
   draw({ design, field, limits, pool, core }) {
     if (!this.views.length) return;
     this.nearest = this.views.map((view) => this.#nearest(view, design));
-    const scale = field === this.field ? limits : limitsOf(this.values(this.field));
+    const isShared = field === this.field;
+    const scale = isShared ? limits : limitsOf(this.values(this.field));
+    at("stored.scale").hidden = isShared;
+    if (!isShared)
+      drawScale(at("stored.scale"), scale, (tick) => `${valueText(this.quantity, tick, 4)} ${this.quantity.unit}`);
     this.views.forEach((view) => view.draw({
       box: this.box, design: { ...design, [view.plane.across]: this.design[view.plane.across] }, field: this.field,
       limits: scale, optimum: this.design, pinned: null }));
@@ -81,7 +91,7 @@ export class StoredPlanes {
   takeLive(live) {
     const text = (value) => `${valueText(this.quantity, value, 7)} ${this.quantity.unit}`; // 32-bit floats
     const row = (tag, cells) => `<tr>${cells.map((cell) => `<${tag}>${cell}</${tag}>`).join("")}</tr>`;
-    at("stored.values").innerHTML = row("th", ["design (m)", "stored", "live"]) +
+    at("stored.values").innerHTML = row("th", ["design (m)", "stored", "computed here, archive's scene"]) +
       this.nearest.map(({ point, value }, i) =>
         row("td", [`r1 = ${point.r1}, r3 = ${point.r3}, r2 = ${point.r2}`, text(value), text(live[i])])).join("");
   }

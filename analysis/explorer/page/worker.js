@@ -7,7 +7,7 @@ import { planeDesigns, windowOf } from "./space.js";
 /** The time, ms, after which a newer request is looked for. */
 const patience = 8;
 /** Steps of a swing, after which its status is step_budget: stiff slings must not stall the page. */
-const maxSteps = { plane: 20000, search: 20000, trace: 50000, pinned: 50000, values: 50000 };
+const maxSteps = { plane: 20000, search: 20000, trace: 50000 };
 const traceTolerance = 1e-12;
 /** A looser tolerance: the difference bounds the error of the speed. */
 const checkTolerance = 1e-10;
@@ -31,8 +31,9 @@ function answer({ type, kind, id }, content, isLast = true) {
   postMessage({ type, kind, id, isLast, ...content });
 }
 
-function setJob({ numbers, type }) {
-  engine.setJob({ ...numbers, "solver.max-steps": maxSteps[type] });
+function setJob({ numbers, type }, tolerance = traceTolerance) {
+  const steps = maxSteps[tolerance === traceTolerance ? "trace" : type];
+  engine.setJob({ ...numbers, "solver.max-steps": steps });
 }
 
 /** Integrates designs in pieces; null if a newer request has arrived. */
@@ -44,7 +45,7 @@ async function integrated(request, designs, field, tolerance) {
     if (first > 0) await pause();
     if (latest[request.type] !== request.id) return null;
     const start = performance.now();
-    setJob(request);
+    setJob(request, tolerance);
     const part = engine.integrate(designs.subarray(3 * first, 3 * (first + piece)), field, tolerance);
     values.set(part.values, first);
     statuses.set(part.statuses, first);
@@ -104,7 +105,7 @@ async function sendMaxima(request) {
       await pause();
       if (!found || latest.search !== request.id) throw superseded;
       return found.values;
-    });
+    }, traceTolerance);
     answer(request, { maxima });
   } catch (error) {
     if (error !== superseded) throw error;
