@@ -298,6 +298,7 @@ extern "C" {
   static const std::string text =
       "{\"keys\":" + json_list(keys, [](const Key& key) { return quoted(key.name); }) +
       ",\"statuses\":" + json_list(status_names, quoted) +
+      ",\"statusMeanings\":" + json_list(status_meanings, quoted) +
       ",\"choices\":{\"scene.trough\":[\"no\",\"yes\"],\"scene.beam-inertia\":" +
       json_list(beam_inertia_names, quoted) +
       ",\"solver.release\":" + json_list(release_names, quoted) + "},\"fields\":" +

@@ -52,9 +52,10 @@ void run_trace(const CommandLine& line) {
   const auto print = line.flight ? trace_flight : trace;
   const Status status = print(job, line.design, line.interval, stdout);
   if (status == Status::released_below_ground)
-    fmt::print(stderr, "there is no flight: {}\n", name_of(status));
+    fmt::print(stderr, "no flight: {}: {}\n", name_of(status), meaning_of(status));
   else if (status != Status::released)
-    fmt::print(stderr, "the swing ends without a release: {}\n", name_of(status));
+    fmt::print(stderr, "the swing ends without a release: {}: {}\n", name_of(status),
+               meaning_of(status));
 }
 
 }  // namespace

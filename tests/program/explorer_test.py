@@ -29,8 +29,8 @@ MISTAKES = [
     {"scene.sling-angle": "4"}, {"scene.start-angle": "3.2"}, {"scene.wind": "2000"}, {"scene.beam-side": "-0.1"},
     {"solver.release-angle": "7"}, {"solver.max-time": "0"}, {"scene.release-height": "6"},
     {"scene.counterweight-hanger": "1.6"}, {"lattice.shortest-sling": "2"}, {"lattice.increment": "3"},
-    {"lattice.r1": "1:2"}, {"lattice.r3": "0.3:0.95:0.1"}, {"lattice.r2": "2:1:0.1"}, {"solver.release": "pin"},
-    {"scene.beam-mass": "500"}, {"scene.sling-damping": "5"},
+    {"lattice.r1": "1:2"}, {"lattice.r3": "0.3:0.95:0.1"}, {"lattice.r2": "2:1:0.1"},
+    {"solver.release": "pin", "solver.pin-angle": ""}, {"scene.beam-mass": "500"}, {"scene.sling-damping": "5"},
     {"scene.counterweight-hanger": "0.2", "scene.sling-stiffness": "1e5"},
 ]
 
@@ -288,7 +288,8 @@ class Jobs(PageTest):
 
     def test_every_preset_is_copied_as_a_job_that_the_program_runs(self):
         self.open()
-        names = self.script("return [...document.getElementById('preset').options].map(option => option.value)")
+        names = self.script("return [...document.getElementById('preset').options].map(option => option.value)"
+                            ".filter(name => name)")
         self.assertEqual(len(names), len(os.listdir(f"{JOBS}/scenes")) + 1)
         for name in names:
             with self.subTest(preset=name):
@@ -414,6 +415,13 @@ class Jobs(PageTest):
         self.assertEqual(preset(), "wood")
         self.type("scene.projectile-mass", "50")
         self.assertEqual(preset(), "")
+        self.assertEqual(self.text("own"), "wood, changed")
+        self.wait(lambda: "projectile-mass=50" in self.browser.current_url)
+        self.browser.refresh()
+        self.wait(lambda: self.text("readout.status"))
+        self.assertEqual(self.text("own"), "wood, changed")
+        self.type("preset", "wood")
+        self.assertEqual(self.find("scene.projectile-mass").get_property("value"), "100")
 
 
 class Controls(PageTest):
@@ -574,6 +582,36 @@ class Mistakes(PageTest):
         time.sleep(0.5)  # longer than the page waits before it writes its address
         self.assertIn("projectile-mass=50", self.browser.current_url)
 
+    def test_a_mistake_is_shown_above_the_page_until_it_is_corrected(self):
+        self.open()
+        self.type("solver.release", "pin")  # with the angle of the present release
+        self.assertFalse(self.find("mistake").is_displayed())
+        self.type("solver.pin-angle", "")
+        self.assertTrue(self.find("mistake").is_displayed())
+        self.type("scene.projectile-mass", "50")
+        self.assertEqual(self.text("mistake.text"), "solver.pin-angle: must be given with solver.release = pin")
+        self.find("mistake.show").click()
+        self.assertEqual(self.script("return document.activeElement.id"), "solver.pin-angle")
+        self.browser.switch_to.active_element.send_keys("0.5")
+        self.wait_for_pictures()
+        self.assertFalse(self.find("mistake").is_displayed())
+        self.assertIn("pin-angle = 0.5", self.copied_job())
+        self.assertIn("projectile-mass = 50\n", self.copied_job())
+
+    def test_a_pin_starts_with_the_release_of_the_design(self):
+        self.open()
+        time = self.number("release-time")
+        self.type("solver.release", "pin")
+        self.wait_for_pictures()
+        self.assertAlmostEqual(self.number("release-time"), time, delta=1e-4)
+
+    def test_a_design_outside_the_lattice_and_one_without_release_are_explained(self):
+        self.open({"scene.start-angle": "0.5"}, {"r1": "0.5", "r3": "1.2", "r2": "0.7"})
+        self.assertEqual(self.text("outside"), "Outside the lattice: r2 + r3 below 1.5 m (49).")
+        self.open({"scene.trough": "yes", "scene.start-angle": "0.5"}, {"r1": "0.5", "r3": "0.6", "r2": "0.5"})
+        self.assertEqual(self.text("headline"), "sling too short")
+        self.assertEqual(self.text("reason"), "the sling does not reach from the arm's tip to the trough at the start")
+
     def test_a_mistake_in_the_design_is_explained_and_marked(self):
         self.open()
         invalid = lambda: self.find("design.r1").get_attribute("aria-invalid")  # noqa: E731
@@ -615,7 +653,7 @@ class Mistakes(PageTest):
                     self.wait_for_pictures()
                 messages = self.script("return [...document.querySelectorAll('.message')].map(node => "
                                        "node.textContent).filter(text => text)")
-                options = [f"--{key}={value}" for key, value in mistake.items()]
+                options = [f"--{key}={value}" for key, value in mistake.items() if value]
                 done = self.run_program("sweep", f"{JOBS}/accurate.cfg", *options, code=2)
                 self.assertEqual([f"trebsweep: {message}" for message in messages], [done.stderr.strip()])
                 self.assertEqual(self.pictures(), before)

@@ -1,6 +1,7 @@
 // Fields and sliders for the keys of a job.
 
 import { allowedText, groups, keys, namesOf } from "./keys.js";
+import { parseNumber } from "./rules.js";
 
 const resolution = 1000;
 
@@ -39,7 +40,7 @@ function row(key, core, change) {
   else
     input = element("input", { id, type: "text", inputMode: key.kind === "number" ? "decimal" : "text",
                                autocomplete: "off", oninput: () => change(id, input.value.trim()) });
-  input.setAttribute("aria-describedby", `${id}.message`);
+  input.setAttribute("aria-describedby", `${id}.message ${id}.why`);
   const parts = [
     element("label", { htmlFor: id }, key.label, key.unit ? ` (${key.unit})` : ""), input,
   ];
@@ -55,7 +56,8 @@ function row(key, core, change) {
     };
     parts.push(slider);
   }
-  parts.push(element("output", { id: `${id}.message`, className: "message" }));
+  parts.push(element("span", { id: `${id}.why`, className: "why" }),
+             element("output", { id: `${id}.message`, className: "message" }));
   return element("div", { className: `key ${key.kind}`, title: `${id}: ${allowedText(key, core)}` }, ...parts);
 }
 
@@ -66,22 +68,25 @@ export class Controls {
                           ...members.map((key) => row(key, core, change))));
   }
 
-  /** Shows a job: texts by key, and checked(), its values and unused keys. */
-  show(job, { get, unused }) {
+  /** Shows a job, texts by key, with the values and unused keys of the last valid one. */
+  show(job, { get, unused, job: validJob }) {
     for (const key of keys) {
       const input = document.getElementById(key.name);
       const value = get(key.name);
       const isMissing = value === null || Number.isNaN(value);
       const text = job[key.name] ?? "";
-      if (key.kind === "choice") input.value = value;
+      const isCleared = text === "" && (validJob[key.name] ?? "") !== "";
+      if (key.kind === "choice") input.value = text || value;
       else if (input !== document.activeElement || input.value.trim() !== text) // not while the user edits it
-        input.value = text !== "" || isMissing ? text : shortText(value);
+        input.value = text !== "" || isMissing || isCleared ? text : shortText(value);
       if (key.kind !== "choice") input.placeholder = isMissing ? "not given" : shortText(value);
       const slider = document.getElementById(`${key.name}.slider`);
-      if (slider) slider.setPosition(isMissing ? 0 : value);
+      const number = parseNumber(text); // not the value where that is of an older job
+      if (slider) slider.setPosition(!Number.isNaN(number) ? number : isMissing ? 0 : value);
       const why = unused.get(key.name);
       for (const control of [input, slider]) if (control) control.disabled = why !== undefined;
       input.closest(".key").classList.toggle("unused", why !== undefined);
+      document.getElementById(`${key.name}.why`).textContent = why ? `L${why.slice(1)}.` : "";
     }
   }
 
@@ -95,7 +100,10 @@ export class Controls {
       if (isWrong) input.setAttribute("aria-invalid", "true");
       else input.removeAttribute("aria-invalid");
       message.textContent = isWrong ? mistake.message : "";
-      if (isWrong) input.closest("details").open = true;
+      if (isWrong) {
+        input.disabled = false; // also where the last valid job does not use the key
+        input.closest("details").open = true;
+      }
       isShown ||= isWrong;
     }
     return isShown;

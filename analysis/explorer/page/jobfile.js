@@ -93,7 +93,7 @@ export function jobText(job, unused, proposed, design) {
 }
 
 /** The state of the page as the fragment of its address. */
-export function toFragment({ job, design, field, locked, pinned }) {
+export function toFragment({ job, design, field, locked, pinned, origin }) {
   const parameters = new URLSearchParams();
   const put = (prefix, given, point) => {
     for (const [key, value] of Object.entries(given))
@@ -102,6 +102,7 @@ export function toFragment({ job, design, field, locked, pinned }) {
   };
   put("", job, design);
   parameters.set("field", field);
+  parameters.set("from", origin);
   if (locked) parameters.set("scale", locked.map((x) => x.toPrecision(6)).join(":"));
   if (pinned) put("pinned.", pinned.job, pinned.design);
   return parameters.toString();
@@ -129,6 +130,6 @@ export function fromFragment(fragment) {
   const isScale = scale.length === 2 && scale.every(Number.isFinite) && scale[0] < scale[1];
   return {
     ...(given ?? { job: {}, design: firstDesign }), isGiven: given !== null, field: parameters.get("field"),
-    locked: isScale ? scale : null, pinned: get("pinned."),
+    locked: isScale ? scale : null, pinned: get("pinned."), origin: parameters.get("from") ?? "paper",
   };
 }

@@ -2,19 +2,21 @@
 // workers for what depends on it, and draws in the next frame.
 
 import { Animation } from "./animation.js";
-import { drawScale, PlaneView } from "./plane.js";
+import { BestDesigns } from "./best_designs.js";
 import { limitsOf, statusColours } from "./colours.js";
 import { Controls } from "./controls.js";
 import { DesignFields } from "./design_fields.js";
+import { copy, listenForFiles } from "./files.js";
 import { inflated } from "./inflated.js";
 import { InputError } from "./input_error.js";
 import { firstDesign, fromFragment, jobText, readJob, suggestedDesign, toFragment } from "./jobfile.js";
 import { machineOf } from "./machine.js";
+import { drawScale, PlaneView } from "./plane.js";
 import { Pool } from "./pool.js";
 import { has, quantities, quantityOf, valueText } from "./quantities.js";
 import { showReadouts } from "./readouts.js";
 import { checkedJob, mended } from "./rules.js";
-import { clamped, isInside, moved, planes } from "./space.js";
+import { clamped, isInside, moved, outsideText, planes } from "./space.js";
 import { StoredPlanes } from "./stored.js";
 
 const data = JSON.parse(document.getElementById("data").textContent);
@@ -24,33 +26,34 @@ const planeTolerance = 1e-7;
 /** Cells along an axis of a plane, and tolerance: coarse, then fine. */
 const passes = [[25, 1e-5], [100, planeTolerance]];
 
+/** `origin`: the preset or file from which the job comes. */
 const state = {
-  job: {}, design: firstDesign, field: "speed", locked: null, pinned: null,
+  job: {}, design: firstDesign, field: "speed", locked: null, pinned: null, origin: "paper",
 };
 /** Known from the core, once it has started. */
 let core = null;
 /** The last job without mistakes: its texts, values, box and unused keys. */
 let valid = null;
 let live = null, pinned = null;
-/** The best designs, null while they are searched for; whether the crosshair then moves to the best. */
-let maxima = null, goesToBest = false;
-let pool, views, controls, designFields, animation, stored;
+let pool, views, controls, designFields, animation, stored, best;
 
 /** Asks for what depends on the state; called after each change. */
 function update(change) {
   Object.assign(state, change);
-  if (change.job) at("preset").value = presetOf(state.job);
-  if (change.design) goesToBest = false;
+  if (change.job) showOrigin();
+  if (change.design) best.isAwaited = false;
   let mistake = null;
   try {
     valid = { ...checkedJob(state.job, core), job: state.job };
-    controls.show(state.job, valid);
   } catch (error) {
     if (!(error instanceof InputError)) throw error;
     mistake = error;
   }
-  if (!controls.report(mistake) && mistake) notice(mistake.message, true);
-  if (!valid) return;
+  controls.show(state.job, valid);
+  controls.report(mistake);
+  at("mistake").hidden = mistake === null;
+  at("mistake.text").textContent = mistake?.message ?? "";
+  at("mistake.show").onclick = () => at(mistake.key).focus();
   if (!has(quantityOf.get(state.field), valid.numbers)) Object.assign(state, { field: "speed", locked: null });
   ask();
   remember();
@@ -63,12 +66,37 @@ function edit(change) {
   update(change);
 }
 
+/** Names the preset or file from which the job comes, and whether it has changed since. */
+function showOrigin() {
+  const preset = presetOf(state.job);
+  at("own").textContent = state.origin in data.presets ? `${state.origin}, changed` : state.origin;
+  at("preset").value = preset;
+}
+
 /** The name of the preset that a job is, or ""; the defaults are those of the paper. */
 function presetOf(job) {
   const text = (texts) => JSON.stringify(Object.entries(texts).filter(([, value]) => value !== "").sort());
   if (text(job) === "[]") return "paper";
   return Object.keys(data.presets).find((name) =>
     text(readJob(data.presets[name], name, data.presets).job) === text(job)) ?? "";
+}
+
+/**
+ * Takes an edit of a key. A pin starts with the angle at which the design now releases, so that the
+ * swing stays the same until that angle is moved.
+ */
+function editKey(name, text) {
+  const job = { ...state.job, [name]: text };
+  const angle = live?.trace.fields["pin-angle"];
+  if (name === "solver.release" && text === "pin" && !job["solver.pin-angle"] && Number.isFinite(angle))
+    job["solver.pin-angle"] = angle.toFixed(4);
+  edit({ job });
+}
+
+/** The quantity of which the best designs are searched for: of loads and rates, the largest is no aim. */
+function searched() {
+  const quantity = quantityOf.get(state.field);
+  return quantity.searched ? quantity : quantityOf.get("speed");
 }
 
 /** Sends requests; those that have not changed since are left out. */
@@ -78,11 +106,7 @@ function ask() {
   pool.sendOther("trace", { numbers, design, planeTolerance });
   planes.forEach((plane, index) =>
     pool.sendPlane(index, { numbers, box, plane, field, passes, at: design[plane.across] }));
-  const searched = quantityOf.get(field).searched ? field : "speed";
-  if (pool.sendOther("search", { numbers, box, field: searched })) {
-    maxima = null;
-    showMaxima();
-  }
+  if (pool.sendOther("search", { numbers, box, field: searched().field })) best.take(null, searched());
   if (state.pinned) {
     const { numbers: others } = checkedJob(state.pinned.job, core);
     if (pool.sendOther("pinned", { numbers: others, design: state.pinned.design, planeTolerance })) pinned = null;
@@ -106,11 +130,8 @@ function receive(answer) {
   } else if (answer.type === "trace") live = answer;
   else if (answer.type === "pinned") pinned = answer.trace;
   else if (answer.type === "values") stored.takeLive(answer.values);
-  else if (answer.type === "search") {
-    maxima = answer.maxima;
-    showMaxima();
-    if (goesToBest) goToBest();
-  } else if (answer.type === "failed") fail(answer);
+  else if (answer.type === "search") best.take(answer.maxima, searched());
+  else if (answer.type === "failed") fail(answer);
   redraw();
 }
 
@@ -120,15 +141,7 @@ function fail({ failed, index, message }) {
   if (failed === "plane") views[index].take(null);
   if (failed === "trace") live = null;
   if (failed === "values") at("stored.values").replaceChildren();
-  if (failed === "search") {
-    maxima = [];
-    showMaxima();
-  }
-}
-
-function goToBest() {
-  goesToBest = false;
-  if (maxima?.length) update({ design: maxima[0].design });
+  if (failed === "search") best.take([], searched());
 }
 
 let isWaiting = false;
@@ -151,7 +164,7 @@ function draw() {
   const shown = views.filter(({ data: picture }) => picture && picture.field === field);
   const limits = state.locked ??
     limitsOf([...shown.map(({ data: picture }) => picture.values), ...stored.values(field)]);
-  views.forEach((view) => view.draw({ box, design, field, limits, optimum: maxima?.[0]?.design,
+  views.forEach((view) => view.draw({ box, design, field, limits, optimum: best.design,
                                       pinned: state.pinned?.design }));
   stored.draw({ design, field, limits, pool, core });
   at("scale").hidden = field === "status";
@@ -161,6 +174,8 @@ function draw() {
     at("scale").dataset.limits = limits.join(" ");
   }
   designFields.show(design, box);
+  const outside = outsideText(box, design);
+  at("outside").textContent = outside && `Outside the lattice: ${outside}.`;
   at("lock").checked = state.locked !== null;
   at("lock").disabled = field === "status";
   at("field").value = field;
@@ -173,7 +188,7 @@ function draw() {
 
 /** Shows the swing of the design, and that of the pinned one. */
 function drawSwing(numbers) {
-  for (const name of ["headline", "readouts", "errors"]) at(name).hidden = !live;
+  for (const name of ["headline", "reason", "readouts", "errors"]) at(name).hidden = !live;
   const others = state.pinned && pinned && checkedJob(state.pinned.job, core);
   animation.show([live && { ...live.trace, scene: machineOf(valid) },
                   others && { ...pinned, scene: machineOf(others) }]);
@@ -182,27 +197,12 @@ function drawSwing(numbers) {
   const { fields, status } = live.trace;
   at("headline").textContent = Number.isNaN(fields.speed) ? status.replaceAll("_", " ")
     : `${fields.speed.toFixed(8)} m/s`;
+  at("reason").textContent = status === "released" ? "" : core.statusMeanings[core.statuses.indexOf(status)];
 }
 
 function notice(text, isWrong = false) {
   at("notice").textContent = text;
   at("notice").classList.toggle("wrong", isWrong);
-}
-
-/** The buttons that lead to the best designs. */
-function showMaxima() {
-  const quantity = quantityOf.get(quantityOf.get(state.field).searched ? state.field : "speed");
-  const text = ({ value }) => `${valueText(quantity, value, 6)} ${quantity.unit}`;
-  const [best] = maxima ?? [];
-  at("best").disabled = !best;
-  at("best").textContent = best ? `Go to the best found: ${text(best)}` : maxima ? "No best design found" : "Searching …";
-  at("maxima").replaceChildren(...(maxima ?? []).slice(1, 4).map((maximum) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = `Local maximum: ${text(maximum)}`;
-    button.onclick = () => edit({ design: maximum.design });
-    return button;
-  }));
 }
 
 /** Takes a job from a preset or a file. */
@@ -211,10 +211,8 @@ function load(text, name) {
   const { box } = checkedJob(job, core); // before anything changes
   const design = suggestedDesign(text) ?? state.design;
   notice(ignored.length ? `${name}: not used by the explorer: ${ignored.join("; ")}` : "");
-  update({ job, design: clamped(box, design), locked: null });
-  if (isInside(box, design)) return;
-  if (maxima) goToBest();
-  else goesToBest = true;
+  update({ job, design: clamped(box, design), locked: null, origin: name });
+  if (!isInside(box, design)) best.await();
 }
 
 function tryToLoad(text, name) {
@@ -226,27 +224,11 @@ function tryToLoad(text, name) {
   }
 }
 
-async function openFile(file) {
-  if (!file) return;
-  try {
-    tryToLoad(await file.text(), file.name);
-  } catch (error) {
-    if (!(error instanceof DOMException)) throw error;
-    notice(`${file.name}: cannot be read: ${error.message}`, true); // a directory, for example
-  }
-}
-
 function copyJob() {
   const { box, job, unused } = valid;
   const proposed = Object.fromEntries(box.proposed.map((axis) =>
     [`lattice.${axis}`, `${box[axis].low}:${box[axis].high}:${box[axis].step}`]));
-  const text = jobText(job, unused, proposed, state.design);
-  at("jobtext").value = text;
-  at("copied").textContent = "Select and copy the text:";
-  navigator.clipboard?.writeText(text)
-    .then(() => { at("copied").textContent = "The text is on the clipboard:"; }, () => {});
-  at("dialog").showModal();
-  at("jobtext").select();
+  copy(jobText(job, unused, proposed, state.design));
 }
 
 let memory = 0;
@@ -271,32 +253,17 @@ function listen() {
     const name = at("preset").value;
     tryToLoad(data.presets[name], name);
   };
-  at("open").onclick = () => at("file").click();
-  at("file").onchange = () => {
-    openFile(at("file").files[0]);
-    at("file").value = ""; // so that the same file can be opened again
-  };
   at("copy").onclick = copyJob;
   at("pin").onclick = () => edit({
     pinned: state.pinned ? null : { job: { ...valid.job }, design: { ...state.design } } });
   at("field").onchange = () => edit({ field: at("field").value, locked: null });
   at("lock").onchange = () => update({
     locked: at("lock").checked ? at("scale").dataset.limits.split(" ").map(Number) : null });
-  at("best").onclick = () => edit({ design: maxima[0].design });
   at("controls").onsubmit = (event) => event.preventDefault();
   window.addEventListener("resize", redraw);
   window.addEventListener("hashchange", () => restore(fromFragment(location.hash.slice(1))));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-  document.addEventListener("dragover", (event) => {
-    event.preventDefault();
-    document.body.classList.add("dropping");
-  });
-  document.addEventListener("dragleave", () => document.body.classList.remove("dropping"));
-  document.addEventListener("drop", (event) => {
-    event.preventDefault();
-    document.body.classList.remove("dropping");
-    openFile(event.dataTransfer.files[0]);
-  });
+  listenForFiles(tryToLoad, (message) => notice(message, true));
 }
 
 /** Shows the colours of the statuses. */
@@ -304,6 +271,7 @@ function showLegend() {
   at("legend").append(...core.statuses.map((name, status) => {
     const item = document.createElement("span"), colour = document.createElement("i");
     colour.style.background = statusColours[status];
+    item.title = core.statusMeanings[status];
     item.append(colour, name.replaceAll("_", " "));
     return item;
   }).slice(1));
@@ -314,9 +282,10 @@ function start(ready) {
   core = ready;
   const move = (part) => edit({ design: moved(valid.box, state.design, part(state.design)) });
   views = planes.map((plane, i) => new PlaneView(at(`plane.${i}`), plane, move));
-  controls = new Controls(at("controls"), core, (name, text) => edit({ job: { ...state.job, [name]: text } }));
+  controls = new Controls(at("controls"), core, editKey);
   designFields = new DesignFields(at("design"), (design) => edit({ design: { ...state.design, ...design } }));
   animation = new Animation();
+  best = new BestDesigns((design, isOwn) => (isOwn ? update : edit)({ design }));
   stored = new StoredPlanes(data.stored, data.presets, move);
   at("field").append(...quantities.map(({ field, label }) => new Option(label, field)));
   at("preset").append(...Object.keys(data.presets).sort().map((name) => new Option(name, name)));

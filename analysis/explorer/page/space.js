@@ -91,11 +91,17 @@ export function windowOf({ low, high }) {
   return high > low ? { low, high } : { low: 0.75 * low, high: 1.25 * low };
 }
 
-/** Whether a design is within the bounds; those that are equal to a bound count. */
-export function isInside(box, { r1, r3, r2 }) {
-  const within = ({ low, high }, x) => x >= low - 1e-9 && x <= high + 1e-9;
-  return within(box.r1, r1) && within(box.r3, r3) && within(box.r2, r2) &&
-    r2 + r3 <= box.reach * (1 + 1e-9);
+/** Why a design is outside the lattice, "" if it is inside; lengths that are equal to a bound are inside. */
+export function outsideText(box, design) {
+  const reasons = axes
+    .filter((axis) => design[axis] < box[axis].low - 1e-9 || design[axis] > box[axis].high + 1e-9)
+    .map((axis) => `${axis} must be from ${six(box[axis].low)} to ${six(box[axis].high)} m`);
+  if (design.r2 + design.r3 > box.reach * (1 + 1e-9)) reasons.push(`r2 + r3 below ${six(box.reach)} m (49)`);
+  return reasons.join(", ");
+}
+
+export function isInside(box, design) {
+  return outsideText(box, design) === "";
 }
 
 /** The nearest design within the bounds. */

@@ -118,8 +118,8 @@ const handlers =
 function start(request) {
   module = request.module;
   engine = new Engine(module);
-  const { defaults, choices, fields, statuses } = engine;
-  postMessage({ type: "ready", core: { defaults, choices, fields, statuses } });
+  const { defaults, choices, fields, statuses, statusMeanings } = engine;
+  postMessage({ type: "ready", core: { defaults, choices, fields, statuses, statusMeanings } });
 }
 
 async function handle(request) {
