@@ -43,7 +43,7 @@ name=$(basename "$job")
 name=${name%.*}
 archive=results/$name.h5
 mpirun -n "$ranks" $program sweep "$job" --output.file "$archive" "$@"
-explorer="A page that explores the design space in a browser: analysis/explorer/build.sh --archive $archive"
+explorer="A page that explores the design space in a browser: analysis/explorer/build.sh --archive $(printf %q "$archive")"
 
 if [[ $($program info "$archive") == *$'\nscenes '* ]]; then # a study: the optima of its scenes
   $python analysis/study.py "$archive" -o "results/$name.png" | tee "results/$name.txt"

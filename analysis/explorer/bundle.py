@@ -15,7 +15,7 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(1, os.path.dirname(HERE))
 
-from program import Parser, refuse, refuse_overwriting, run  # noqa: E402  # in analysis/
+from program import Parser, fail, refuse, refuse_overwriting, run  # noqa: E402  # in analysis/
 
 JOBS = os.path.join(HERE, "..", "..", "jobs")
 
@@ -82,8 +82,13 @@ def main():
     if arguments.archive:
         refuse_overwriting("output", arguments.output, arguments.archive)
     text = page(arguments.module, arguments.archive, arguments.at)
-    with open(arguments.output, "w", encoding="utf-8") as file:
-        file.write(text)
+    partial = arguments.output + ".partial"
+    try:
+        with open(partial, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(partial, arguments.output)  # never half a page
+    except OSError as error:
+        fail(f"{arguments.output}: cannot be written: {error.strerror}")
 
 
 if __name__ == "__main__":

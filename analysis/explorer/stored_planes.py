@@ -3,24 +3,22 @@
 import base64
 import gzip
 
-from archive import AXES, Archive
+from archive import AXES, Archive, key_of
 from program import fail
 
+NOT_COMPUTED = ["steps", "speed_error", "stiffness", "decay_rate"]  # by the page
 LARGEST_COUNT = 150  # values kept along an axis; a finer lattice is thinned out
 
 
 def stored_planes(path, at):
     """What stored.js shows of an archive, of a study the scene that `at` selects: name, job, field,
-    design (m), an object {first, step, count} for each axis, and planes: by the axis that is
+    design (m), progress (a text, empty if complete), an object {first, step, count} for each axis, and planes: by the axis that is
     constant, base64 of gzipped 32-bit floats."""
     archive = Archive(path).scene(at)
     optimum = archive.optimum()
     if optimum is None:
         fail(f"{path}: has no optimum through which planes could be drawn: {archive.best_text()}")
-    field = archive.objective[0]
-    if field.replace("-", "_") not in archive.fields:
-        field = "speed"
-    dataset = archive.number_field(field)
+    dataset = shown_field(archive)
 
     centre = [archive.nearest(axis, optimum[0][axis]) for axis in AXES]
     kept = [slice(index % stride, None, stride) for index, stride in zip(
@@ -35,11 +33,21 @@ def stored_planes(path, at):
     return {
         "name": archive.name(),
         "job": archive.attributes["job"],
-        "field": field,
+        "field": key_of(dataset),
+        "progress": "" if archive.complete else archive.progress(),
         "design": archive.design(centre),
         **{axis: summary(archive.axes[axis][own]) for axis, own in zip(AXES, kept)},
         "planes": {axis: plane(across) for across, axis in enumerate(AXES)},
     }
+
+
+def shown_field(archive):
+    """The dataset of the objective if it is stored, otherwise of the speed or the first map that the page can show."""
+    objective = archive.objective[0].replace("-", "_")
+    for name in (objective, "speed", *archive.fields):
+        if name in archive.fields and archive.is_number(name) and name not in NOT_COMPUTED:
+            return name
+    return fail(f"{archive.path}: has no map that the explorer shows")
 
 
 def summary(values):

@@ -259,6 +259,18 @@ class Numbers(PageTest):
         self.run_command(BUILD, "-o", self.path("study.h5"), "--archive", self.path("study.h5"), code=2)
         self.assertEqual(self.read("study.h5"), before)
 
+    def test_an_archive_without_speed_shows_another_map(self):
+        archive, page = self.path("range.h5"), self.path("range.html")
+        sweep = ("sweep", f"{JOBS}/accurate.cfg", "--lattice.increment", "0.05", "--overwrite", "--output.file", archive)
+        self.run_program(*sweep, "--output.fields", "status, steps, range")
+        self.run_command(BUILD, "-o", page, "--archive", archive)
+        self.open(page=page)
+        self.assertTrue(self.text("stored.title").startswith("Stored in range: range, planes through r1 = "))
+        self.assertEqual(self.find("field").get_property("value"), "range")
+        self.run_program(*sweep, "--output.fields", "status, steps")
+        done = self.run_command(BUILD, "-o", page, "--archive", archive, code=1)
+        self.assertIn("range.h5: has no map that the explorer shows", done.stderr)
+
     def check_stored(self, name, scene, mass, *options):
         """Compares the planes of an archive with live values of the same designs, away from its optimum."""
         archive, page = self.path(name), self.path("stored.html")

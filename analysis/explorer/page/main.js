@@ -166,7 +166,7 @@ function draw() {
     limitsOf([...shown.map(({ data: picture }) => picture.values), ...stored.values(field)]);
   views.forEach((view) => view.draw({ box, design, field, limits, optimum: best.design,
                                       pinned: state.pinned?.design }));
-  stored.draw({ design, field, limits, pool, core });
+  stored.draw({ design, field, limits, pool });
   at("scale").hidden = field === "status";
   at("legend").hidden = field !== "status";
   if (field !== "status") {
@@ -286,7 +286,7 @@ function start(ready) {
   designFields = new DesignFields(at("design"), (design) => edit({ design: { ...state.design, ...design } }));
   animation = new Animation();
   best = new BestDesigns((design, isOwn) => (isOwn ? update : edit)({ design }));
-  stored = new StoredPlanes(data.stored, data.presets, move);
+  stored = new StoredPlanes(data.stored, data.presets, core, move);
   at("field").append(...quantities.map(({ field, label }) => new Option(label, field)));
   at("preset").append(...Object.keys(data.presets).sort().map((name) => new Option(name, name)));
   showLegend();

@@ -11,23 +11,24 @@ const at = (id) => document.getElementById(id);
 
 export class StoredPlanes {
   /**
-   * @param archive null, or {name, job, field, design, r1, r3, r2: {first, step, count}, planes: values
+   * @param archive null, or {name, job, field, design, progress, r1, r3, r2: {first, step, count}, planes: values
    *   by the axis that is constant}; `presets`: texts of scenes by name
    */
-  constructor(archive, presets, move) {
+  constructor(archive, presets, core, move) {
     this.views = [];
     if (!archive) return;
     Object.assign(this, archive);
     this.quantity = quantityOf.get(this.field);
     const { job, ignored } = readJob(this.job, this.name, presets);
-    this.jobTexts = job;
     const solver = ignored.filter((text) => text.startsWith("solver.")).join(", ");
     at("stored.solver").textContent =
       solver && `The archive was computed with ${solver}, which the page does not have: its values differ.`;
     at("stored").hidden = false;
     at("stored.title").textContent = `Stored in ${this.name}: ${this.quantity.label}, planes through ` +
-      `${Object.entries(this.design).map(([axis, x]) => `${axis} = ${x}`).join(", ")} m; hatched: no value`;
-    this.box = { reach: Infinity };
+      `${Object.entries(this.design).map(([axis, x]) => `${axis} = ${x}`).join(", ")} m` +
+      (this.progress && ` (${this.progress})`);
+    this.numbers = checkedJob(job, core).numbers;
+    this.box = { reach: checkedJob(job, core).box.reach };
     for (const axis of ["r1", "r3", "r2"]) {
       const { first, step, count } = this[axis];
       this.box[axis] = { low: first - step / 2, high: first + (count - 0.5) * step, step };
@@ -44,10 +45,23 @@ export class StoredPlanes {
     const view = new PlaneView(figure.firstChild, plane, move);
     const values = this.planes[plane.across];
     view.take({
-      field: this.field, values, statuses: Uint8Array.from(values, (value) => (Number.isNaN(value) ? 0 : 1)),
+      field: this.field, values, statuses: Uint8Array.from(values, (_, cell) => Number(this.#isDesign(plane, cell))),
       columns: this[plane.u].count, rows: this[plane.v].count, u: this.box[plane.u], v: this.box[plane.v],
     });
     return view;
+  }
+
+  /** The design of a cell of a plane. */
+  #point(plane, cell) {
+    const { count } = this[plane.u];
+    const length = (axis, i) => Number((this[axis].first + i * this[axis].step).toPrecision(12));
+    return { [plane.across]: this.design[plane.across], [plane.u]: length(plane.u, cell % count),
+             [plane.v]: length(plane.v, Math.floor(cell / count)) };
+  }
+
+  #isDesign(plane, cell) {
+    const { r2, r3 } = this.#point(plane, cell);
+    return r2 + r3 < this.box.reach - 1e-9;
   }
 
   /** Values for the limits of a colour scale. */
@@ -59,7 +73,7 @@ export class StoredPlanes {
    * Draws the planes, with limits of their own if the page shows another field; asks for live values
    * of the stored designs nearest to the crosshairs.
    */
-  draw({ design, field, limits, pool, core }) {
+  draw({ design, field, limits, pool }) {
     if (!this.views.length) return;
     this.nearest = this.views.map((view) => this.#nearest(view, design));
     const isShared = field === this.field;
@@ -70,9 +84,8 @@ export class StoredPlanes {
     this.views.forEach((view) => view.draw({
       box: this.box, design: { ...design, [view.plane.across]: this.design[view.plane.across] }, field: this.field,
       limits: scale, optimum: this.design, pinned: null }));
-    const { numbers } = checkedJob(this.jobTexts, core);
     const designs = this.nearest.flatMap(({ point }) => [point.r1, point.r3, point.r2]);
-    pool.sendOther("values", { numbers, field: this.field, designs });
+    pool.sendOther("values", { numbers: this.numbers, field: this.field, designs });
   }
 
   /** The stored design of a plane that is nearest to the crosshair, and its value. */
@@ -81,10 +94,8 @@ export class StoredPlanes {
       const { first, step, count } = this[axis];
       return Math.min(Math.max(Math.round((design[axis] - first) / step), 0), count - 1);
     };
-    const length = (axis) => Number((this[axis].first + index(axis) * this[axis].step).toPrecision(12));
-    const point = { [plane.across]: this.design[plane.across], [plane.u]: length(plane.u),
-                    [plane.v]: length(plane.v) };
-    return { point, value: data.values[index(plane.v) * data.columns + index(plane.u)] };
+    const cell = index(plane.v) * data.columns + index(plane.u);
+    return { point: this.#point(plane, cell), value: data.values[cell] };
   }
 
   /** Shows stored values with live ones. */
