@@ -1,7 +1,7 @@
 // Fields and sliders for the keys of a job.
 
-import { allowedText, groups, keys, namesOf } from "./keys.js";
-import { parseNumber } from "./rules.js";
+import { allowedText, groups, keys } from "./keys.js";
+import { parseNumber } from "./numbers.js";
 
 const resolution = 1000;
 
@@ -36,7 +36,7 @@ function row(key, core, change) {
   let input;
   if (key.kind === "choice")
     input = element("select", { id, onchange: () => change(id, input.value) },
-                    ...namesOf(key, core).map((name) => element("option", { value: name, textContent: name })));
+                    ...key.names(core).map((name) => element("option", { value: name, textContent: name })));
   else
     input = element("input", { id, type: "text", inputMode: key.kind === "number" ? "decimal" : "text",
                                autocomplete: "off", oninput: () => change(id, input.value.trim()) });

@@ -1,6 +1,6 @@
 // The three lengths of the design, as fields and sliders.
 
-import { isLength, parseNumber } from "./rules.js";
+import { isLength, parseNumber } from "./numbers.js";
 import { axes, axisNames, windowOf } from "./space.js";
 
 const resolution = 1000;

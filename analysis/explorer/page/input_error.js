@@ -8,7 +8,12 @@ export class InputError extends Error {
   }
 }
 
+/** A user's text for a message, truncated to 200 characters. */
+export function shortened(text) {
+  return text.length <= 200 ? text : `${text.slice(0, 200)}...`;
+}
+
 /** Rejects the value of a key: "key = value: must be allowed". */
 export function refuse(key, value, allowed) {
-  throw new InputError(key, `${key} = ${value}: must be ${allowed}`);
+  throw new InputError(key, `${key} = ${shortened(value)}: must be ${allowed}`);
 }

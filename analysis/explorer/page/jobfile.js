@@ -1,67 +1,92 @@
 // Job files and the address of the page: texts of a job's keys.
 
-import { InputError } from "./input_error.js";
-import { keyByName } from "./keys.js";
-import { isLength } from "./rules.js";
+import { InputError, shortened } from "./input_error.js";
+import { keyByName, sections } from "./keys.js";
+import { isLength } from "./numbers.js";
 import { axes } from "./space.js";
+import { firstScene } from "./study.js";
 
-/** The keys of a job file's text, as {"section.key": "value"}. Throws InputError for other lines. */
-function parsed(text, name) {
-  const values = {};
+function refuseFile(why) {
+  throw new InputError(null, why);
+}
+
+/** Without the white space of a job file. */
+const trimmed = (text) => text.replace(/^[ \t\r]+|[ \t\r]+$/g, "");
+
+/** The keys of a job file's text, as {"section.key": "value"}; as in src/job/config_file.cpp. */
+export function parsed(text) {
+  const values = {}, lines = {};
   let section = "";
-  text.replace(/^\ufeff/, "").split(/\r?\n/).forEach((line, number) => {
-    const content = line.replace(/#.*/, "").trim();
+  text.replace(/^\ufeff/, "").split("\n").forEach((line, index) => {
+    const number = index + 1, hash = line.indexOf("#");
+    const content = trimmed(hash < 0 ? line : line.slice(0, hash));
     const equals = content.indexOf("=");
+    const refuseLine = (shown, why) => refuseFile(`line ${number}, '${shortened(shown)}', ${why}`);
     if (content === "") return;
-    if (/^\[.+\]$/.test(content)) section = `${content.slice(1, -1)}.`;
-    else if (equals > 0)
-      values[section + content.slice(0, equals).trim()] = content.slice(equals + 1).trim();
-    else
-      throw new InputError(null, `job file ${name}: line ${number + 1}, '${content}', is neither ` +
-                                 "[section] nor key = value");
+    if (/^\[.+\]$/.test(content)) {
+      section = content.slice(1, -1).replace(/\.?$/, ".");
+      return;
+    }
+    if (equals < 0) refuseLine(content, "is neither [section] nor key = value");
+    if (hash > 0 && !/[ \t]/.test(line[hash - 1]))
+      refuseLine(trimmed(line), "has a # inside a value; put a space before a comment");
+    const key = section + trimmed(content.slice(0, equals));
+    if (key in lines) refuseFile(`${shortened(key)} is given twice, on lines ${lines[key]} and ${number}`);
+    lines[key] = number;
+    values[key] = trimmed(content.slice(equals + 1));
   });
   return values;
 }
 
-/** Keys that the page does not have, with the values for which it shows what the program computes. */
+/** Refuses a key that no job has. */
+function refuseUnknown(name) {
+  const section = name.split(".")[0];
+  const known = [...keyByName.keys(), "scene.file"].filter((key) => key.startsWith(`${section}.`));
+  const given = shortened(name);
+  if (section === name || !known.length)
+    refuseFile(`${given}: ${section === name ? "key before any [section]" : "unknown key"}; the sections are ` +
+               sections.join(", "));
+  refuseFile(`${given}: unknown key; the keys of [${section}] are ` +
+             known.map((key) => key.slice(section.length + 1)).join(", "));
+}
+
+/** The keys of a file and of the scene that it names, one of the presets. */
+function withScene({ "scene.file": path, ...given }, presets) {
+  if (path === undefined) return given;
+  const [, preset] = path.match(/^(?:.*\/)?scenes\/(\w+)\.cfg$/) ?? [];
+  const scene = Object.hasOwn(presets, preset) ? parsed(presets[preset]) : {};
+  if (!Object.keys(scene).length || !Object.keys(scene).every((key) => key.startsWith("scene.")))
+    refuseFile(`scene.file = ${shortened(path)}: cannot be read by the page, which has the scenes of jobs/scenes ` +
+               "alone; open that file itself, or copy its keys to [scene] of this one");
+  return { ...scene, ...given };
+}
+
+/**
+ * The job of a file's text, as {job, scene}: the texts of its keys and, of a study, in words the scene
+ * that the page shows, otherwise "". A scene's own file is read if it is one of the presets, texts by name.
+ * Throws InputError where trebsweep refuses the file.
+ */
+export function readJob(text, presets, core) {
+  if (/[\0-\x08\x0b\x0c\x0e-\x1f]/.test(text)) refuseFile("is not a text file");
+  if (text.length > 2 ** 20) refuseFile("is longer than 1 MiB");
+  const given = parsed(text);
+  for (const name of Object.keys(given))
+    if (name !== "scene.file" && !keyByName.has(name)) refuseUnknown(name);
+  return firstScene(withScene(given, presets), core);
+}
+
+/** Keys that change what the program computes, but not what the page shows, unless they have these values. */
 const assumed = {
   "solver.stepper": "vern8", "output.optimum": "all", "optimum.objective": "speed", "optimum.subject-to": "",
   "optimum.robust": "no",
 };
+const fewSteps = 50000; // which the page allows, whatever a job says
 
-/** Whether a key that the page does not have changes nothing that the page shows. */
-function isHarmless(key, value) {
-  if (key in assumed) return value === assumed[key];
-  return !/^(scene|lattice)\.|^solver\.release/.test(key);
-}
-
-/**
- * The job of a file's text: {job, ignored}, the texts of the keys that the page has, and the names
- * of the others. A scene's own file is read if it is one of the presets, texts by name.
- */
-export function readJob(text, name, presets) {
-  let values = parsed(text, name);
-  const ignored = [];
-  const path = values["scene.file"];
-  if (path !== undefined) {
-    delete values["scene.file"];
-    const [, preset] = path.match(/^(?:.*\/)?scenes\/(\w+)\.cfg$/) ?? [];
-    const scene = Object.hasOwn(presets, preset) ? presets[preset] : undefined;
-    if (scene === undefined) ignored.push(`scene.file = ${path}`);
-    else values = { ...parsed(scene, path), ...values };
-  }
-  const job = {};
-  for (const [key, value] of Object.entries(values)) {
-    const isStudied = key.startsWith("scene.") && /[:,]/.test(value);
-    if (!keyByName.has(key) || (key === "solver.release" && value === "window")) {
-      if (!isHarmless(key, value)) ignored.push(`${key} = ${value}`);
-    } else if (isStudied) {
-      job[key] = value.split(/[:,]/)[0].trim();
-      ignored.push(`all but the first value of ${key}`);
-    } else
-      job[key] = value;
-  }
-  return { job, ignored };
+/** The keys of a job, as "key = value", for which the page does not show what the program computes. */
+export function ignoredKeys(job) {
+  const isIgnored = ([key, value]) => (key in assumed && value !== assumed[key]) ||
+    (key === "solver.release" && value === "window") || (key === "solver.max-steps" && value < fewSteps);
+  return Object.entries(job).filter(isIgnored).map(([key, value]) => `${key} = ${value}`);
 }
 
 /** The design in a line of comment, "--r1 0.5 ..." or "r1 = 0.5 m, ...", with all three lengths; null without one. */
@@ -83,7 +108,7 @@ export function jobText(job, unused, proposed, design) {
     "# A scene from the explorer. The design on the page:",
     `#   --r1 ${design.r1} --r2 ${design.r2} --r3 ${design.r3}`,
   ];
-  for (const section of ["scene", "lattice", "solver"]) {
+  for (const section of sections) {
     const own = Object.keys(values).filter((key) => key.startsWith(`${section}.`));
     if (own.length === 0) continue;
     lines.push("", `[${section}]`);

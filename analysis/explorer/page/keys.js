@@ -1,34 +1,34 @@
-// The keys of a job that the page has controls for, with the ranges of their sliders. Units and
-// allowed values are those of src/job/key.cpp; explorer_test.py compares them with the help of
-// trebsweep. Defaults and names come from the core.
+// The keys of a job, as in src/job/key.cpp, with controls and the ranges of their sliders, or without.
+// explorer_test.py compares units and allowed values with those of trebsweep. Defaults and names of
+// the scene come from the core.
+
+import { numberText } from "./numbers.js";
 
 /** A range of numbers; its text is that of the program's messages. */
-const range = (low, high, { open = false, zero = false } = {}) => ({
-  allows: (x) => (zero && x === 0) || (open ? low < x && x < high : low <= x && x <= high),
-  text: high === Infinity
-    ? `a finite number above ${low}`
-    : (zero ? "0, or " : "") + (open ? `a number above ${low} and below ${high}`
-      : `a number${low > 0 && !zero ? " above 0," : ""} from ${digits(low)} to ${digits(high)}`),
-});
-
-function digits(x) {
-  return Math.abs(x) >= 1e9 ? `${x < 0 ? "-" : ""}1e+12` : String(x);
+function range(low, high, { open = false, zero = false } = {}) {
+  const allows = (x) => (zero && x === 0) || (open ? low < x && x < high : low <= x && x <= high && x < Infinity);
+  const [from, to] = [low, high].map((x) => x === Infinity ? "" : numberText(x, 9));
+  const bounds = high === Infinity ? `a finite number ${open ? "above" : "of at least"} ${from}`
+    : open ? `a number above ${from} and below ${to}`
+      : `a number${low > 0 && !zero ? " above 0," : ""} from ${from} to ${to}`;
+  return { allows, text: (zero ? "0, or " : "") + bounds };
 }
 
 const physical = range(1e-12, 1e12);
 const physicalOrZero = range(1e-12, 1e12, { zero: true });
 const positive = range(0, Infinity, { open: true });
+const notNegative = range(0, Infinity);
 const lengths = range(-1e12, 1e12);
-const angles = range(-3.14159265358979312, 3.14159265358979312);
-angles.text = "a number from -3.14159265 to 3.14159265";
-const openAngles = range(-3.14159265358979312, 3.14159265358979312, { open: true });
-openAngles.text = "a number above -3.14159265 and below 3.14159265";
+const angles = range(-Math.PI, Math.PI);
+const openAngles = range(-Math.PI, Math.PI, { open: true });
 const turn = range(1e-12, 6.28318531);
+const tolerances = range(1e-15, 0.1);
 
 const number = (name, label, unit, allowed, slider) =>
   ({ name, label, unit, allowed, slider, kind: "number" });
-/** One of the core's names, without those in `excluded`. */
-const choice = (name, label, excluded = []) => ({ name, label, unit: "", kind: "choice", excluded });
+/** One of the core's names. */
+const choice = (name, label) =>
+  ({ name, label, unit: "", kind: "choice", names: (core) => core.choices[name] });
 const axis = (name, label) => ({
   name, label, unit: "m", kind: "range",
   allowed: { text: "first:last:step, including both ends, or a single value" },
@@ -49,7 +49,7 @@ export const groups = [
     choice("scene.trough", "trough"),
     number("scene.trough-height", "height of the trough", "m", physicalOrZero, [0, 5]),
     number("scene.sling-angle", "initial angle phi2", "rad", angles, [-1.5, 1.5]),
-    choice("solver.release", "release", ["window"]), // which is for fixed steps,
+    choice("solver.release", "release"),
     number("solver.release-angle", "angle phi1 at release", "rad", turn, [1.5, 4.7]),
     number("solver.pin-angle", "pin: angle phi1 - phi2", "rad", openAngles, [-1, 3]),
     number("solver.max-time", "longest swing", "s", positive, [1, 20]),
@@ -85,18 +85,71 @@ export const groups = [
   ] },
 ];
 
-/** The names that a choice allows. */
-export function namesOf(key, core) {
-  return core.choices[key.name].filter((name) => !key.excluded.includes(name));
-}
+export const keys = groups.flatMap((group) => group.keys);
+
+/** The steppers, and those of them that take steps of a fixed length. */
+export const steppers = [
+  "euler", "modified_midpoint", "rk4", "cash_karp54", "dopri5", "fehlberg78", "vern7", "vern8",
+  "adams_bashforth_moulton", "bulirsch_stoer", "rosenbrock4",
+];
+export const fixedSteppers = ["euler", "modified_midpoint", "rk4", "adams_bashforth_moulton"];
+
+const notQuantities = ["status", "energy-drift", "steps", "speed-error", "stiffness", "decay-rate", "slack"];
+const fields = (core) => core.fields.map(({ name }) => name);
+const oneOf = (...names) => ({ kind: "choice", names: () => names });
+const stepper = oneOf(...steppers), yesNo = oneOf("no", "yes");
+const field = { kind: "choice", names: fields };
+const quantity = { kind: "choice", names: (core) => fields(core).filter((name) => !notQuantities.includes(name)) };
+const integer = (low, high) =>
+  ({ kind: "integer", allowed: { allows: range(low, high).allows, text: `an integer from ${low} to ${high}` } });
+const numberIn = (allowed) => ({ kind: "number", allowed });
+const listOf = (item) => ({ kind: "list", item });
+const setOf = (item) => ({ kind: "list", item, isSet: true });
+
+/** Keys that the page has no control for. It reads them, checks them, and writes them to job files. */
+export const otherKeys = Object.entries({
+  "solver.stepper": stepper,
+  "solver.time-step": numberIn(positive),
+  "solver.tolerance": numberIn(tolerances),
+  "solver.target-error": numberIn(positive),
+  "solver.release-window": numberIn(range(0, Math.PI / 2, { open: true })),
+  "solver.max-steps": integer(1, 1e12),
+  "solver.check": yesNo,
+  "output.file": { kind: "path" },
+  "output.fields": setOf(field),
+  "output.optimum": oneOf("all", "taut"),
+  "output.maps": oneOf("all", "none"),
+  "output.storage": oneOf("float64", "float32"),
+  "output.compression": integer(0, 9),
+  "optimum.objective": quantity,
+  "optimum.subject-to": { kind: "constraints", names: quantity.names },
+  "optimum.deviation": numberIn(physicalOrZero),
+  "optimum.robust": oneOf("no", "worst", "expected"),
+  "optimum.refine": yesNo,
+  "assess.scenes": { kind: "paths" },
+  "assess.extremes": { kind: "paths" },
+  "assess.steppers": setOf(stepper),
+  "assess.time-steps": listOf(numberIn(positive)),
+  "assess.tolerances": listOf(numberIn(tolerances)),
+  "assess.designs": integer(1, 100000),
+  "assess.repeats": integer(1, 1000),
+  "assess.target-error": numberIn(positive),
+  "assess.lattice-seconds": numberIn(notNegative),
+}).map(([name, kind]) => ({ name, ...kind }));
+
+export const keyByName = new Map([...keys, ...otherKeys].map((key) => [key.name, key]));
+
+/** The sections of a job file. */
+export const sections = ["scene", "lattice", "solver", "output", "optimum", "assess"];
 
 /** What a key allows, in words. */
 export function allowedText(key, core) {
-  return key.kind === "choice" ? `one of ${namesOf(key, core).join(", ")}` : key.allowed.text;
+  return key.kind === "choice" ? `one of ${key.names(core).join(", ")}` : key.allowed.text;
 }
 
-export const keys = groups.flatMap((group) => group.keys);
-export const keyByName = new Map(keys.map((key) => [key.name, key]));
-
-/** Defaults of [lattice], which the numerical core does not know. */
-export const latticeDefaults = { "lattice.increment": 0.01, "lattice.shortest-sling": 0.3 };
+/** Defaults that the numerical core does not know, of keys that rules depend on. */
+export const otherDefaults = {
+  "lattice.increment": 0.01, "lattice.shortest-sling": 0.3, "solver.stepper": "vern8",
+  "output.fields": ["speed", "release-time", "status"], "optimum.objective": "speed", "optimum.subject-to": [],
+  "optimum.deviation": 0, "optimum.robust": "no",
+};

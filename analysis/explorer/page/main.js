@@ -9,14 +9,16 @@ import { DesignFields } from "./design_fields.js";
 import { copy, listenForFiles } from "./files.js";
 import { inflated } from "./inflated.js";
 import { InputError } from "./input_error.js";
-import { firstDesign, fromFragment, jobText, readJob, suggestedDesign, toFragment } from "./jobfile.js";
+import { firstDesign, fromFragment, ignoredKeys, jobText, readJob, suggestedDesign, toFragment } from "./jobfile.js";
+import { keys } from "./keys.js";
 import { machineOf } from "./machine.js";
 import { drawScale, PlaneView } from "./plane.js";
 import { Pool } from "./pool.js";
 import { has, quantities, quantityOf, valueText } from "./quantities.js";
 import { showReadouts } from "./readouts.js";
+import { Presets } from "./presets.js";
 import { checkedJob, mended } from "./rules.js";
-import { clamped, isInside, moved, outsideText, planes } from "./space.js";
+import { axes, clamped, isInside, moved, outsideText, planes } from "./space.js";
 import { StoredPlanes } from "./stored.js";
 
 const data = JSON.parse(document.getElementById("data").textContent);
@@ -35,7 +37,7 @@ let core = null;
 /** The last job without mistakes: its texts, values, box and unused keys. */
 let valid = null;
 let live = null, pinned = null;
-let pool, views, controls, designFields, animation, stored, best;
+let pool, presets, views, controls, designFields, animation, stored, best;
 
 /** Asks for what depends on the state; called after each change. */
 function update(change) {
@@ -47,6 +49,7 @@ function update(change) {
     valid = { ...checkedJob(state.job, core), job: state.job };
   } catch (error) {
     if (!(error instanceof InputError)) throw error;
+    if (leaveOut(error)) return;
     mistake = error;
   }
   controls.show(state.job, valid);
@@ -60,6 +63,18 @@ function update(change) {
   redraw();
 }
 
+/**
+ * Leaves out a key without a control that no longer suits the scene, such as an output of a hanger that
+ * is removed. Returns whether it has done so.
+ */
+function leaveOut({ key, message }) {
+  if (!(key in state.job) || keys.some(({ name }) => name === key)) return false;
+  const { [key]: _, ...job } = state.job;
+  update({ job });
+  notice(`Left out of the job: ${message}`);
+  return true;
+}
+
 /** A change by the user, who has read the last notice. */
 function edit(change) {
   notice("");
@@ -68,17 +83,8 @@ function edit(change) {
 
 /** Names the preset or file from which the job comes, and whether it has changed since. */
 function showOrigin() {
-  const preset = presetOf(state.job);
   at("own").textContent = state.origin in data.presets ? `${state.origin}, changed` : state.origin;
-  at("preset").value = preset;
-}
-
-/** The name of the preset that a job is, or ""; the defaults are those of the paper. */
-function presetOf(job) {
-  const text = (texts) => JSON.stringify(Object.entries(texts).filter(([, value]) => value !== "").sort());
-  if (text(job) === "[]") return "paper";
-  return Object.keys(data.presets).find((name) =>
-    text(readJob(data.presets[name], name, data.presets).job) === text(job)) ?? "";
+  at("preset").value = presets.nameOf(state.job);
 }
 
 /**
@@ -173,6 +179,7 @@ function draw() {
     drawScale(at("scale"), limits, (tick) => `${valueText(quantity, tick, 4)} ${quantity.unit}`);
     at("scale").dataset.limits = limits.join(" ");
   }
+  at("planes").dataset.lattice = JSON.stringify(axes.map((axis) => [box[axis].first, box[axis].step, box[axis].count]));
   designFields.show(design, box);
   const outside = outsideText(box, design);
   at("outside").textContent = outside && `Outside the lattice: ${outside}.`;
@@ -205,12 +212,19 @@ function notice(text, isWrong = false) {
   at("notice").classList.toggle("wrong", isWrong);
 }
 
+/** What a job asks for and the page does not show, "" if nothing. */
+function ignoredText(job, before = "") {
+  const ignored = ignoredKeys(job);
+  return ignored.length ? `${before}not used by the explorer: ${ignored.join("; ")}` : "";
+}
+
 /** Takes a job from a preset or a file. */
 function load(text, name) {
-  const { job, ignored } = readJob(text, name, data.presets);
+  const { job, scene } = readJob(text, data.presets, core);
   const { box } = checkedJob(job, core); // before anything changes
   const design = suggestedDesign(text) ?? state.design;
-  notice(ignored.length ? `${name}: not used by the explorer: ${ignored.join("; ")}` : "");
+  const notes = [scene && `the first scene of a study, with ${scene}`, ignoredText(job)].filter((note) => note);
+  notice(notes.length ? `${name}: ${notes.join("; ")}` : "");
   update({ job, design: clamped(box, design), locked: null, origin: name });
   if (!isInside(box, design)) best.await();
 }
@@ -245,7 +259,8 @@ function restore({ isGiven, ...saved }) {
            pinned: other && { ...saved.pinned, job: other.job } });
   clearTimeout(memory);
   const mistakes = [...live.mistakes, ...(other?.mistakes.map((text) => `pinned: ${text}`) ?? [])];
-  notice(mistakes.length ? `The address of the page: ${mistakes.join("; ")}` : "", mistakes.length > 0);
+  if (mistakes.length) notice(`The address of the page: ${mistakes.join("; ")}`, true);
+  else notice(ignoredText(live.job, "In the address, "));
 }
 
 function listen() {
@@ -280,21 +295,23 @@ function showLegend() {
 /** Builds the page, once the core has started. */
 function start(ready) {
   core = ready;
+  presets = new Presets(data.presets, core);
   const move = (part) => edit({ design: moved(valid.box, state.design, part(state.design)) });
   views = planes.map((plane, i) => new PlaneView(at(`plane.${i}`), plane, move));
   controls = new Controls(at("controls"), core, editKey);
   designFields = new DesignFields(at("design"), (design) => edit({ design: { ...state.design, ...design } }));
   animation = new Animation();
   best = new BestDesigns((design, isOwn) => (isOwn ? update : edit)({ design }));
-  stored = new StoredPlanes(data.stored, data.presets, core, move);
+  stored = new StoredPlanes(data.stored, core, move);
   at("field").append(...quantities.map(({ field, label }) => new Option(label, field)));
   at("preset").append(...Object.keys(data.presets).sort().map((name) => new Option(name, name)));
   showLegend();
   listen();
   const saved = fromFragment(location.hash.slice(1));
   if (stored.job && !saved.isGiven) {
-    tryToLoad(stored.job, stored.name);
-    update({ design: stored.design, field: stored.field });
+    const { job, design, field, name } = stored;
+    update({ job, design, field, origin: name });
+    notice(ignoredText(job, `${name}: `));
   } else
     restore(saved);
 }

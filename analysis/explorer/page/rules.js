@@ -1,75 +1,52 @@
-// What a job may be: the values of its keys, and those rules of src/job/rules.cpp that concern the
-// page, so that a field can show the program's message. explorer_test.py compares the messages.
-// A job is an object of texts by key, as in a job file; a key that is not given has its default.
+// What a job may be: the rules of src/job/rules.cpp, so that the page can show the program's messages.
+// explorer_test.py compares them. A job is an object of texts by key, as in a job file; a key that is
+// not given has its default.
 
-import { allowedText, keys, keyByName, latticeDefaults, namesOf } from "./keys.js";
+import { fixedSteppers, keys, keyByName, otherDefaults, steppers } from "./keys.js";
 import { InputError, refuse } from "./input_error.js";
+import { numberText } from "./numbers.js";
 import { boxOf } from "./space.js";
-
-/** The number of a text, NaN if it is not one. */
-export function parseNumber(text) {
-  const trimmed = String(text).trim();
-  return /^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$/.test(trimmed) ? Number(trimmed) : NaN;
-}
-
-/** Whether a number of metres can be a length. */
-export const isLength = (x) => x >= 1e-12 && x <= 1e12;
-
-/** An axis, {first, last, step}; the step of a single value is 0. */
-function parseAxis(key, text) {
-  const allowed =
-    "first:last:step or a single value, in metres, each from 1e-12 to 1e+12, with first <= last";
-  const [first, last = first, step = 0, ...rest] = text.split(":").map(parseNumber);
-  const parts = text.split(":").length;
-  if (rest.length || parts === 2 || !isLength(first) || !isLength(last) || first > last ||
-      (parts === 3 && !isLength(step)))
-    refuse(key, text, allowed);
-  const steps = parts === 3 ? (last - first) / step : 0;
-  if (Math.abs(steps - Math.round(steps)) > 1e-9 + 1e-15 * last / step)
-    refuse(key, text, "a range whose last value is an integer number of steps from the first; the " +
-      `nearest are ${shortest(first + Math.floor(steps) * step)} and ` +
-      `${shortest(first + Math.ceil(steps) * step)}`);
-  return { first, last, step };
-}
-
-/** A number with at most 15 digits. */
-export function shortest(x) {
-  return String(Number(x.toPrecision(15)));
-}
-
-/** The value of a key: a name, a number or an axis. Throws InputError. */
-function valueOf(key, text, core) {
-  if (key.kind === "choice") {
-    if (!namesOf(key, core).includes(text)) refuse(key.name, text, allowedText(key, core));
-    return text;
-  }
-  if (key.kind === "range") return parseAxis(key.name, text);
-  const x = parseNumber(text);
-  if (!key.allowed.allows(x)) refuse(key.name, text, key.allowed.text);
-  return x;
-}
+import { valueOf } from "./values.js";
 
 /** Why each key that a job does not use must be left out. `get(name)` is the value of a key. */
-function unusedKeys(get) {
+export function unusedKeys(get) {
   const unused = new Map();
-  const leaveOut = (names, why) => names.forEach((name) => unused.set(name, `left out ${why}`));
+  const leaveOut = (names, why) => names.forEach((name) => unused.has(name) || unused.set(name, `left out${why}`));
   if (!Number.isNaN(get("scene.start-angle")))
-    leaveOut(["scene.release-height"], "with scene.start-angle, which determines it");
+    leaveOut(["scene.release-height"], " with scene.start-angle, which determines it");
   if (!Number.isNaN(get("scene.beam-mass")))
     leaveOut(["scene.beam-density", "scene.beam-side", "scene.beam-inertia"],
-             "with scene.beam-mass, beam-centre and beam-moment, which describe the whole beam");
+             " with scene.beam-mass, beam-centre and beam-moment, which describe the whole beam");
   if (get("scene.trough") === "yes")
-    leaveOut(["scene.sling-angle"], "with scene.trough = yes, which determines it");
+    leaveOut(["scene.sling-angle"], " with scene.trough = yes, which determines it");
   else
-    leaveOut(["scene.trough-height"], "unless scene.trough is yes");
+    leaveOut(["scene.trough-height"], " unless scene.trough is yes");
   if (get("scene.projectile-diameter") === 0)
     leaveOut(["scene.drag-coefficient", "scene.air-density", "scene.wind"],
-             "unless scene.projectile-diameter is above 0");
-  if (get("solver.release") !== "crossing")
-    leaveOut(["solver.release-angle"], "unless solver.release is crossing");
-  if (get("solver.release") !== "pin")
-    leaveOut(["solver.pin-angle"], "unless solver.release is pin");
+             " unless scene.projectile-diameter is above 0");
+  const stepper = get("solver.stepper"), isFixed = fixedSteppers.includes(stepper);
+  const others = steppers.filter((name) => fixedSteppers.includes(name) !== isFixed).join(", ");
+  const notUsed = (kind, instead) =>
+    `: the ${kind} stepper ${stepper} does not use it; give ${instead} or choose one of ${others}`;
+  if (isFixed)
+    leaveOut(["solver.tolerance", "solver.target-error"], notUsed("fixed-step", "solver.time-step"));
+  else
+    leaveOut(["solver.time-step"], notUsed("adaptive", "solver.tolerance"));
+  if (get("solver.target-error") !== null)
+    leaveOut(["solver.tolerance"], " with solver.target-error, which determines it");
+  for (const [name, release] of [["release-angle", "crossing"], ["pin-angle", "pin"], ["release-window", "window"]])
+    if (get("solver.release") !== release)
+      leaveOut([`solver.${name}`], ` unless solver.release is ${release}`);
   return unused;
+}
+
+function checkRelease(get) {
+  const release = get("solver.release"), stepper = get("solver.stepper");
+  if (release === "window" && !fixedSteppers.includes(stepper))
+    refuse("solver.release", release,
+           `crossing, pin, farthest or fastest for the adaptive stepper ${stepper}, whose steps may skip the window`);
+  if (release === "pin" && Number.isNaN(get("solver.pin-angle")))
+    throw new InputError("solver.pin-angle", "solver.pin-angle: must be given with solver.release = pin");
 }
 
 function checkBeam(get) {
@@ -83,42 +60,90 @@ function checkBeam(get) {
   const [mass, centre, moment] = names.map(get);
   const least = mass * centre * centre;
   if (moment < least * (1 - 1e-12))
-    refuse(names[2], moment,
-           `at least beam-mass * beam-centre^2 = ${least} kg m^2, that of a point mass`);
+    refuse(names[2], numberText(moment),
+           `at least beam-mass * beam-centre^2 = ${numberText(least)} kg m^2, that of a point mass`);
 }
 
-function checkRules(get) {
-  if (get("solver.release") === "pin" && Number.isNaN(get("solver.pin-angle")))
-    throw new InputError("solver.pin-angle",
-                         "solver.pin-angle: must be given with solver.release = pin");
-  checkBeam(get);
-  const trough = get("scene.trough") === "yes", hanger = get("scene.counterweight-hanger") > 0;
-  if (trough && get("scene.trough-height") >= get("scene.fulcrum-height"))
-    refuse("scene.trough-height", get("scene.trough-height"),
-           `below scene.fulcrum-height = ${get("scene.fulcrum-height")}`);
-  const stiffness = get("scene.sling-stiffness");
-  if (get("scene.sling-damping") > 0 && stiffness === 0)
-    refuse("scene.sling-damping", get("scene.sling-damping"),
+function checkTrough(get) {
+  if (get("scene.trough") === "yes" && get("scene.trough-height") >= get("scene.fulcrum-height"))
+    refuse("scene.trough-height", numberText(get("scene.trough-height")),
+           `below scene.fulcrum-height = ${numberText(get("scene.fulcrum-height"))}`);
+}
+
+function checkSling(get) {
+  const stiffness = get("scene.sling-stiffness"), damping = get("scene.sling-damping");
+  if (damping > 0 && stiffness === 0)
+    refuse("scene.sling-damping", numberText(damping),
            "0 unless scene.sling-stiffness is above 0: a rigid sling does not stretch");
-  if (stiffness > 0 && (hanger || trough))
-    refuse("scene.sling-stiffness", stiffness,
+  const hanger = get("scene.counterweight-hanger") > 0;
+  if (stiffness > 0 && (hanger || get("scene.trough") === "yes"))
+    refuse("scene.sling-stiffness", numberText(stiffness),
            `0 with ${hanger ? "scene.counterweight-hanger above 0" : "scene.trough = yes"}: the ` +
            `equations of an elastic sling do not include ${hanger ? "a hanger" : "a trough"}`);
 }
 
+/** Why a scene does not have a field, as the rest of a message; empty if it has it. */
+function whyAbsent(field, get) {
+  if (field === "peak-beam-stress" && !Number.isNaN(get("scene.beam-mass")))
+    return "with scene.beam-mass: the cross-section of a measured beam is not known";
+  if (field === "peak-beam-stress" && get("scene.beam-side") === 0)
+    return "if scene.beam-side is 0: the beam then has no cross-section";
+  if (field === "lift-off-time" && get("scene.trough") === "no")
+    return "unless scene.trough is yes: there is no lift-off without a trough";
+  if (field === "peak-hanger-tension" && get("scene.counterweight-hanger") === 0)
+    return "unless scene.counterweight-hanger is above 0: there is no hanger";
+  return "";
+}
+
+const constraintText = ({ field, sign, limit }) => `${field} ${sign} ${numberText(limit)}`;
+
+/** Checks that the scene has every field that the job asks for. */
+function checkFields(get) {
+  const check = (field, key, text, allowed) => {
+    const why = whyAbsent(field, get);
+    if (why) refuse(key, text, `${allowed} ${why}`);
+  };
+  const objective = get("optimum.objective");
+  for (const field of get("output.fields")) check(field, "output.fields", field, "left out");
+  check(objective, "optimum.objective", objective, "another field");
+  for (const constraint of get("optimum.subject-to"))
+    check(constraint.field, "optimum.subject-to", constraintText(constraint), "left out");
+}
+
+/** Checks that two constraints on the same field are a lower limit and a larger upper limit. */
+function checkPair(a, b) {
+  const key = "optimum.subject-to", [textOfA, textOfB] = [a, b].map(constraintText);
+  if (a.sign === b.sign)
+    refuse(key, textOfB, `the only ${a.sign === "<=" ? "upper" : "lower"} limit of ${a.field}; ${textOfA} is another`);
+  const [low, high] = a.sign === "<=" ? [b.limit, a.limit] : [a.limit, b.limit];
+  if (low >= high)
+    refuse(key, `${textOfA}, ${textOfB}`, "a lower limit below the upper limit: " +
+           (low === high ? "equal limits leave no room for a search" : "no design satisfies both"));
+}
+
+function checkOptimum(get) {
+  const constraints = get("optimum.subject-to"), robust = get("optimum.robust");
+  constraints.forEach((b, i) => constraints.slice(0, i).filter((a) => a.field === b.field)
+    .forEach((a) => checkPair(a, b)));
+  if (robust !== "no" && get("optimum.deviation") === 0)
+    refuse("optimum.robust", robust, "no unless optimum.deviation is above 0");
+}
+
 /** The default of a key; null for an axis without one. */
-function defaultOf(name, core) {
-  if (name in latticeDefaults) return latticeDefaults[name];
+export function defaultOf(name, core) {
+  if (name in otherDefaults) return otherDefaults[name];
   const value = core.defaults[name], names = core.choices[name];
   return names ? names[value] : value ?? null;
 }
 
-/** The values that the core needs, as numbers. */
+/** The values that the core needs, as numbers; release by the window of a fixed step becomes crossing. */
 function numbersOf(values, unused, core) {
   const numbers = {};
-  for (const [name, value] of Object.entries(values))
-    if (name in core.defaults && !unused.has(name))
-      numbers[name] = name in core.choices ? core.choices[name].indexOf(value) : value;
+  for (const { name, names } of keys) {
+    const value = values[name];
+    if (value === undefined || !(name in core.defaults) || unused.has(name) || value === "window") continue;
+    numbers[name] = names ? names(core).indexOf(value) : value;
+  }
   return numbers;
 }
 
@@ -137,18 +162,23 @@ export function mended(job, core) {
     }
 }
 
+/** What follows from the values of a single scene's keys. Throws InputError for the first mistake. */
+export function checkedValues(values, core) {
+  const get = (name) => values[name] ?? defaultOf(name, core);
+  const unused = unusedKeys(get);
+  const used = (name) => unused.has(name) ? defaultOf(name, core) : get(name);
+  for (const check of [checkRelease, checkBeam, checkTrough, checkSling, checkFields, checkOptimum]) check(used);
+  return { get, unused, box: boxOf(get), numbers: numbersOf(values, unused, core) };
+}
+
 /**
  * The numbers of a job for the core, the box of its design space, and the unused keys.
- * @param core {defaults: numbers by key, choices: names by key}
+ * @param core {defaults: numbers by key, choices: names by key, fields}
  * Throws InputError for the first mistake.
  */
 export function checkedJob(job, core) {
   const values = {};
-  for (const key of keys)
-    if (job[key.name] !== undefined && job[key.name] !== "")
-      values[key.name] = valueOf(key, job[key.name], core);
-  const get = (name) => values[name] ?? defaultOf(name, core);
-  const unused = unusedKeys(get);
-  checkRules((name) => unused.has(name) ? defaultOf(name, core) : get(name));
-  return { get, unused, box: boxOf(get), numbers: numbersOf(values, unused, core) };
+  for (const [name, text] of Object.entries(job))
+    if (text !== "") values[name] = valueOf(keyByName.get(name), text, core);
+  return checkedValues(values, core);
 }

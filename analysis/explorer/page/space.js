@@ -2,6 +2,7 @@
 // planes through a design.
 
 import { InputError } from "./input_error.js";
+import { numberText } from "./numbers.js";
 
 export const axes = ["r1", "r3", "r2"];
 export const axisNames =
@@ -15,67 +16,112 @@ export const planes = [
 ];
 
 function refuseEmpty(key, value, why) {
-  throw new InputError(key, `${key} = ${value} leaves no design: ${why}`);
+  throw new InputError(key, `${key} = ${numberText(value)} leaves no design: ${why}`);
 }
 
 /** In steps: distances from a bound that are at most this long are due to rounding. */
 const roundingAllowance = 1e-6;
 
-const six = (x) => Number(x.toPrecision(6));
+const six = (x) => numberText(x, 6);
 
-/** The strict bounds of r1 (47), m. */
-function armBounds(get) {
+/** How many of the values first, first + step, ... are strictly below `high`. */
+const countBelow = (high, first, step) => Math.max(0, Math.ceil((high - first) / step - roundingAllowance));
+
+/** An axis between strict bounds: low + step, low + 2 step, ... */
+function openInterval(low, high, step) {
+  return { low, high, step, first: low + step, count: Math.max(0, countBelow(high, low, step) - 1) };
+}
+
+/** An axis that includes its ends. */
+function closedInterval({ first, last, step }) {
+  return { low: first, high: last, step, first, count: Math.floor((last - first) / step + roundingAllowance) + 1 };
+}
+
+/** The axis r1 within the bounds (47). */
+function armAxis(get) {
   const h0 = get("scene.fulcrum-height"), r4 = get("scene.counterweight-hanger");
-  const angleGiven = !Number.isNaN(get("scene.start-angle"));
-  const rise = angleGiven ? 0 : Math.max(0, get("scene.release-height") - h0 + r4);
+  const isAngleGiven = !Number.isNaN(get("scene.start-angle"));
+  const rise = isAngleGiven ? 0 : Math.max(0, get("scene.release-height") - h0 + r4);
   const high = h0 - r4, step = get("lattice.increment");
-  const hung = r4 > 0;
-  if (high - rise > step * (1 + roundingAllowance)) return { low: rise, high };
-  const low = rise > 0 ? `${hung ? "h - h0 + r4" : "h - h0"} = ${six(rise)}` : "0";
-  const allowed = `r1 must be longer than ${low} m and shorter than ${hung ? "h0 - r4" : "h0"} = ` +
-    `${six(high)} m (47), in steps of ${step} m`;
+  const axis = openInterval(rise, high, step);
+  if (axis.count > 0) return axis;
+  const isHung = r4 > 0;
+  const low = rise > 0 ? `${isHung ? "h - h0 + r4" : "h - h0"} = ${six(rise)}` : "0";
+  const allowed = `r1 must be longer than ${low} m and shorter than ${isHung ? "h0 - r4" : "h0"} = ` +
+    `${six(high)} m (47), in steps of ${numberText(step)} m`;
   if (high <= 0)
-    refuseEmpty("scene.counterweight-hanger", r4,
-                `${allowed}; choose a shorter hanger or give lattice.r1`);
+    refuseEmpty("scene.counterweight-hanger", r4, `${allowed}; choose a shorter hanger or give lattice.r1`);
   if (rise >= high)
     refuseEmpty("scene.release-height", get("scene.release-height"),
                 `${allowed}; choose a height below ${six(2 * high)} m or give lattice.r1`);
   return refuseEmpty("lattice.increment", step, `${allowed}; choose a smaller step or give lattice.r1`);
 }
 
+/** The axis r3 within the bounds (48). */
+function slingAxis(get) {
+  const h0 = get("scene.fulcrum-height"), shortest = get("lattice.shortest-sling"), step = get("lattice.increment");
+  const count = countBelow(h0, shortest, step);
+  if (count === 0) refuseEmpty("lattice.shortest-sling", shortest, `r3 must be shorter than h0 = ${six(h0)} m (48)`);
+  return { low: shortest, high: h0, step, first: shortest, count };
+}
+
+/** The axis r2 within the bounds (49) for the shortest sling. */
+function throwingAxis(get, shortest) {
+  const longest = get("scene.fulcrum-height") - shortest, step = get("lattice.increment");
+  const axis = openInterval(0, longest, step);
+  if (axis.count === 0)
+    refuseEmpty(get("lattice.r3") ? "lattice.r3" : "lattice.shortest-sling", shortest,
+                `r2 must be shorter than h0 - r3 = ${six(longest)} m (49), in steps of ${numberText(step)} m; ` +
+                "choose shorter slings or give lattice.r2");
+  return axis;
+}
+
+const maxCells = 1e12, maxCount = 1e7;
+
+/** Refuses a lattice that is too large for the program. */
+function checkSize(box, get) {
+  const refuseStep = (axis, why) => {
+    const isGiven = get(`lattice.${axis}`);
+    const key = isGiven ? `lattice.${axis}` : "lattice.increment";
+    throw new InputError(key, `${key}${isGiven ? " with a step" : ""} = ${numberText(box[axis].step)}${why}`);
+  };
+  for (const axis of axes) {
+    const { first, step, count } = box[axis], last = first + (count - 1) * step;
+    if (count > 1 && step < 1e-12 * last)
+      refuseStep(axis, `: must be at least 1e-12 of the largest ${axis}, ${numberText(last)} m, for distinct values`);
+  }
+  const counts = axes.map((axis) => box[axis].count), cells = counts.reduce((a, b) => a * b);
+  const largest = Math.max(...counts);
+  if (largest <= maxCount && cells <= maxCells) return;
+  const three = (x) => numberText(x, 3);
+  refuseStep(axes[counts.indexOf(largest)],
+             ` would make a lattice of ${counts.map(three).join(" x ")} (r1 x r3 x r2), ${three(cells)} cells; ` +
+             `at most ${three(maxCells)} cells and ${three(maxCount)} along an axis are allowed`);
+}
+
 /**
- * The box of the designs: for each axis {low, high, step}, and `reach`, the bound of r2 + r3 (49),
- * infinite where r2 is explicit. Axes in `proposed` are the page's own, where a trough needs
- * explicit ones. Throws InputError if it is empty.
+ * The box of the designs: for each axis its bounds {low, high}, and the values of its lattice {first, step,
+ * count}; and `reach`, the bound of r2 + r3 (49), infinite where r2 is explicit. Axes in `proposed` are the
+ * page's own, where a trough needs explicit ones. Throws InputError if it is empty.
  */
 export function boxOf(get) {
   const h0 = get("scene.fulcrum-height"), trough = get("scene.trough") === "yes";
-  const step = get("lattice.increment"), shortest = get("lattice.shortest-sling");
   const box = { reach: Infinity, proposed: [] };
   const explicit = (axis) => {
     const given = get(`lattice.${axis}`);
-    if (given) return { low: given.first, high: given.last, step: given.step || step };
+    if (given) return closedInterval({ ...given, step: given.step || get("lattice.increment") });
     if (axis === "r1" || !trough) return null;
     box.proposed.push(axis);
-    return proposedRange(h0);
+    return closedInterval(proposedRange(h0));
   };
-  box.r1 = explicit("r1") ?? { ...armBounds(get), step };
-  box.r3 = explicit("r3");
-  if (!box.r3) {
-    if (h0 - shortest <= step * roundingAllowance)
-      refuseEmpty("lattice.shortest-sling", shortest, `r3 must be shorter than h0 = ${six(h0)} m (48)`);
-    box.r3 = { low: shortest, high: h0, step };
-  }
+  box.r1 = explicit("r1") ?? armAxis(get);
+  box.r3 = explicit("r3") ?? slingAxis(get);
   box.r2 = explicit("r2");
   if (!box.r2) {
-    const longest = h0 - box.r3.low;
-    if (longest <= step * (1 + roundingAllowance))
-      refuseEmpty(get("lattice.r3") ? "lattice.r3" : "lattice.shortest-sling", box.r3.low,
-                  `r2 must be shorter than h0 - r3 = ${six(longest)} m (49), in steps of ${step} m; ` +
-                  "choose shorter slings or give lattice.r2");
-    box.r2 = { low: 0, high: longest, step };
+    box.r2 = throwingAxis(get, box.r3.low);
     box.reach = h0;
   }
+  checkSize(box, get);
   return box;
 }
 
@@ -83,7 +129,7 @@ export function boxOf(get) {
 function proposedRange(h0) {
   const step = Number((h0 / 50).toPrecision(1));
   const steps = (x) => Number((Math.round(x / step) * step).toPrecision(12));
-  return { low: steps(0.4 * h0), high: steps(2.2 * h0), step };
+  return { first: steps(0.4 * h0), last: steps(2.2 * h0), step };
 }
 
 /** The range of an axis that a plane shows: its bounds, or the surroundings of a single value. */

@@ -1,7 +1,7 @@
 // The planes of an archive through its optimum, next to live values of the same designs.
 
 import { limitsOf } from "./colours.js";
-import { readJob } from "./jobfile.js";
+import { ignoredKeys, parsed } from "./jobfile.js";
 import { drawScale, PlaneView } from "./plane.js";
 import { quantityOf, valueText } from "./quantities.js";
 import { checkedJob } from "./rules.js";
@@ -12,23 +12,24 @@ const at = (id) => document.getElementById(id);
 export class StoredPlanes {
   /**
    * @param archive null, or {name, job, field, design, progress, r1, r3, r2: {first, step, count}, planes: values
-   *   by the axis that is constant}; `presets`: texts of scenes by name
+   *   by the axis that is constant}
    */
-  constructor(archive, presets, core, move) {
+  constructor(archive, core, move) {
     this.views = [];
     if (!archive) return;
     Object.assign(this, archive);
     this.quantity = quantityOf.get(this.field);
-    const { job, ignored } = readJob(this.job, this.name, presets);
-    const solver = ignored.filter((text) => text.startsWith("solver.")).join(", ");
+    this.job = parsed(archive.job); // as the program wrote it
+    const solver = ignoredKeys(this.job).filter((text) => text.startsWith("solver.")).join(", ");
     at("stored.solver").textContent =
       solver && `The archive was computed with ${solver}, which the page does not have: its values differ.`;
     at("stored").hidden = false;
     at("stored.title").textContent = `Stored in ${this.name}: ${this.quantity.label}, planes through ` +
       `${Object.entries(this.design).map(([axis, x]) => `${axis} = ${x}`).join(", ")} m` +
       (this.progress && ` (${this.progress})`);
-    this.numbers = checkedJob(job, core).numbers;
-    this.box = { reach: checkedJob(job, core).box.reach };
+    const { numbers, box } = checkedJob(this.job, core);
+    this.numbers = numbers;
+    this.box = { reach: box.reach };
     for (const axis of ["r1", "r3", "r2"]) {
       const { first, step, count } = this[axis];
       this.box[axis] = { low: first - step / 2, high: first + (count - 0.5) * step, step };
