@@ -15,6 +15,7 @@ import time
 import unittest
 import urllib.parse
 
+from explorer_jobs import EVERY_SECTION, WRONG_FILES, random_lattices
 from support import JOBS, PROGRAM, REPOSITORY, DirectoryTest
 
 BUILD = os.path.join(REPOSITORY, "analysis", "explorer", "build.sh")
@@ -173,6 +174,16 @@ class PageTest(DirectoryTest):
         self.script("document.getElementById('dialog').close()")
         return text
 
+    def open_file(self, name, text):
+        """Opens a job file on the page, and waits until the page has taken or refused it."""
+        self.find("file").send_keys(self.write(name, text))
+        self.wait(lambda: self.text("own") == name or self.text("notice").startswith(f"{name}: "))
+
+    def refusal(self, name, *options):
+        """The message with which the program refuses a job file, without the name of the file."""
+        done = self.run_program("sweep", name, *options, code=2)
+        return done.stderr.strip().removeprefix("trebsweep: ").removeprefix(f"job file {name}: ")
+
     def traced(self, *arguments, design):
         """The last row of `trebsweep trace`, as {column: number}."""
         lengths = [word for axis, value in design.items() for word in (f"--{axis}", str(value))]
@@ -251,7 +262,8 @@ class Numbers(PageTest):
 
     def test_stored_planes_agree_with_live_values(self):
         self.check_stored("optimum.h5", [], "100")
-        self.check_stored("study.h5", ["--at", "projectile-mass=200"], "200", "--scene.projectile-mass", "100, 200")
+        self.check_stored("study.h5", ["--at", "projectile-mass=200", "--at", "projectile-diameter=0"], "200",
+                          "--scene.projectile-mass", "100, 200", "--scene.projectile-diameter", "0, 0.1")
         done = self.run_command(BUILD, "-o", self.path("none.html"), "--archive", self.path("study.h5"), code=2)
         self.assertIn("choose a scene, such as --at projectile-mass=100", done.stderr)
         self.assertFalse(os.path.exists(self.path("none.html")))
@@ -407,13 +419,61 @@ class Jobs(PageTest):
 
     def test_keys_that_the_page_does_not_use_are_named(self):
         self.open()
-        self.find("file").send_keys(self.write("own.cfg", "[scene]\nfile = mine/wood.cfg\nprojectile-mass = 50, 100\n"
-                                               "[optimum]\nsubject-to = range >= 10\nrobust = no\n"))
-        self.wait(lambda: self.text("notice"))
-        self.assertEqual(self.text("notice"), "own.cfg: not used by the explorer: scene.file = mine/wood.cfg; "
-                                              "all but the first value of scene.projectile-mass; "
-                                              "optimum.subject-to = range >= 10")
+        self.open_file("own.cfg", "[scene]\nfile = ../scenes/wood.cfg\n"
+                                  "[solver]\ncheck = no\n[optimum]\nsubject-to = range >= 10\nrobust = no\n")
+        self.assertEqual(self.text("notice"), "own.cfg: not used by the explorer: optimum.subject-to = range >= 10")
+        self.assertEqual(self.find("scene.beam-density").get_property("value"), "700")
+
+    def test_a_scene_that_the_page_does_not_have_is_refused(self):
+        self.open()
+        self.open_file("own.cfg", "[scene]\nfile = mine/wood.cfg\n")
+        self.assertEqual(self.text("notice"),
+                         "own.cfg: scene.file = mine/wood.cfg: cannot be read by the page, which has the scenes of "
+                         "jobs/scenes alone; open that file itself, or copy its keys to [scene] of this one")
+
+    def test_the_first_scene_of_a_study_is_shown_and_copied(self):
+        self.open()
+        self.open_file("study.cfg", "[scene]\nprojectile-mass = 100, 50\ngravity = 9.7 : 9.8 : 0.05\n"
+                                    "projectile-diameter = 0.3, 0\nwind = 5\n")
+        self.assertEqual(self.text("notice"), "study.cfg: the first scene of a study, with gravity = 9.7 m/s^2, "
+                                              "projectile-mass = 50 kg, projectile-diameter = 0 m")
         self.assertEqual(self.find("scene.projectile-mass").get_property("value"), "50")
+        job = self.copied_job()
+        self.assertIn("projectile-mass = 50\n", job)
+        self.assertIn("gravity = 9.7\n", job)
+        self.assertNotIn("wind", job)  # without a diameter
+
+    def test_a_job_with_every_section_survives_opening_reloading_and_copying(self):
+        import h5py
+        keys = lambda text: {line.strip() for line in text.splitlines()  # noqa: E731
+                             if line.strip() and not line.startswith("#")}
+        self.open()
+        self.open_file("every.cfg", EVERY_SECTION)
+        self.assertEqual(self.text("notice").count(" = "), 6, self.text("notice"))
+        copied = self.copied_job()
+        self.assertEqual(keys(copied), keys(EVERY_SECTION))
+        self.wait(lambda: "stepper" in self.browser.current_url)
+        self.browser.refresh()
+        self.wait(lambda: self.text("readout.status"))
+        self.assertEqual(self.copied_job(), copied)
+        self.assertIn("not used by the explorer: solver.stepper = rk4; ", self.text("notice"))
+        self.run_program("sweep", self.write("copied.cfg", copied))
+        with h5py.File(self.path("kept.h5")) as archive:
+            first = archive.attrs["job"]
+        self.run_program("sweep", self.path("every.cfg"), "--overwrite")
+        with h5py.File(self.path("kept.h5")) as archive:
+            self.assertEqual(archive.attrs["job"], first)
+
+    def test_an_output_that_the_scene_no_longer_has_is_left_out(self):
+        self.open()
+        self.open_file("hung.cfg", "[scene]\ncounterweight-hanger = 0.2\n[output]\nfields = peak-hanger-tension\n")
+        self.assertIn("fields = peak-hanger-tension", self.copied_job())
+        self.type("scene.counterweight-hanger", "0")
+        self.assertEqual(self.text("notice"),
+                         "Left out of the job: output.fields = peak-hanger-tension: must be left out unless "
+                         "scene.counterweight-hanger is above 0: there is no hanger")
+        self.assertFalse(self.find("mistake").is_displayed())
+        self.assertNotIn("fields", self.copied_job())
 
     def test_a_preset_is_no_longer_named_after_an_edit(self):
         self.open()
@@ -649,8 +709,7 @@ class Mistakes(PageTest):
             with self.subTest(key=name):
                 entry = re.search(rf"--{name} [A-Z]+ (.*?)(?= --| Keys of )", help_text)[1]
                 unit = re.search(r"\((?!.*\()(.*)\)$", label)
-                if name != "solver.release":  # the page has no fixed steps, for which window is
-                    self.assertIn(f"; {allowed}", entry)
+                self.assertIn(f"; {allowed}", entry)
                 if unit and "first:last" not in allowed:
                     self.assertIn(f", {unit[1]};", entry)
 
@@ -670,6 +729,62 @@ class Mistakes(PageTest):
                 self.assertEqual([f"trebsweep: {message}" for message in messages], [done.stderr.strip()])
                 self.assertEqual(self.pictures(), before)
                 self.assertEqual(self.text("headline"), speed)
+
+    def test_a_job_file_that_the_program_refuses_is_refused_in_its_words(self):
+        self.open()
+        before = self.script("return location.hash"), self.text("headline")
+        for n, text in enumerate(WRONG_FILES):
+            with self.subTest(text=text):
+                name = f"wrong{n}.cfg"
+                self.open_file(name, text)
+                self.assertEqual(self.text("notice"), f"{name}: {self.refusal(name)}")
+        self.assertEqual((self.script("return location.hash"), self.text("headline")), before)
+
+    def test_a_file_that_is_not_a_text_is_refused(self):
+        self.open()
+        self.open_file("binary.cfg", "[scene]\ngravity = 9\0")
+        self.assertEqual(self.text("notice"), "binary.cfg: is not a text file")
+        self.assertTrue(self.refusal("binary.cfg").startswith("is not a text file"))
+
+    def test_the_page_knows_the_keys_of_the_program(self):
+        self.open()
+        words = lambda text: sorted(re.findall(r"[^\s,]+", text))  # noqa: E731  # the page has another order
+        for section in ("scene", "lattice", "solver", "output", "optimum", "assess"):
+            with self.subTest(section=section):
+                name = f"{section}.cfg"
+                self.open_file(name, f"[{section}]\nnonsense = 1")
+                self.assertEqual(words(self.text("notice")), words(f"{name}: {self.refusal(name)}"))
+
+    def test_lattices_are_those_of_the_program(self):
+        import h5py
+        self.open()
+        accepted = 0
+        jobs = [(name, None) for name in self.script("return [...document.getElementById('preset').options].map("
+                                                     "option => option.value).filter(name => name)")]
+        jobs += [(f"random{n}.cfg", job) for n, job in enumerate(random_lattices(20))]
+        for name, job in jobs:
+            with self.subTest(name=name, job=job):
+                if job is None:
+                    self.type("preset", name)
+                    name = os.path.basename(self.write(f"{name}.cfg", self.copied_job()))
+                else:
+                    self.open_file(name, "".join(f"{key} = {value}\n" for key, value in job.items()))
+                if self.text("notice"):
+                    self.assertEqual(self.text("notice"), f"{name}: {self.refusal(name)}")
+                    continue
+                accepted += job is not None
+                self.run_program("sweep", name, "--solver.max-steps", "1", "--solver.check", "no", "--overwrite",
+                                 "--output.file", "lattice.h5", "--output.fields", "status")
+                page = json.loads(self.script("return document.getElementById('planes').dataset.lattice"))
+                with h5py.File(self.path("lattice.h5")) as archive:
+                    for axis, own in zip(("r1", "r3", "r2"), page):
+                        first, step, count = own["first"], own["step"], own["count"]
+                        values = archive[axis][:]
+                        self.assertEqual(len(values), count, axis)
+                        self.assertAlmostEqual(values[0], first, delta=1e-9)
+                        self.assertAlmostEqual(values[-1], first + (count - 1) * step, delta=1e-9)
+        self.assertGreater(accepted, 10)
+        self.assertLess(accepted, 18)
 
 
 if __name__ == "__main__":

@@ -52,6 +52,7 @@ function update(change) {
     if (leaveOut(error)) return;
     mistake = error;
   }
+  at("planes").dataset.lattice = JSON.stringify(axes.map((axis) => valid.box[axis]));
   controls.show(state.job, valid);
   controls.report(mistake);
   at("mistake").hidden = mistake === null;
@@ -179,7 +180,6 @@ function draw() {
     drawScale(at("scale"), limits, (tick) => `${valueText(quantity, tick, 4)} ${quantity.unit}`);
     at("scale").dataset.limits = limits.join(" ");
   }
-  at("planes").dataset.lattice = JSON.stringify(axes.map((axis) => [box[axis].first, box[axis].step, box[axis].count]));
   designFields.show(design, box);
   const outside = outsideText(box, design);
   at("outside").textContent = outside && `Outside the lattice: ${outside}.`;

@@ -101,8 +101,8 @@ function checkScenes(studied, count, values, core) {
 }
 
 /**
- * The first scene of a job file's keys, {key: text}, as {job, text}: its keys, and in words the values
- * of those that have several, "" without such keys. Throws InputError where trebsweep refuses the file.
+ * The first scene of a job file's keys, {key: text}, as {job, scene}: its keys, and in words the
+ * values of those that have several, "" without such keys. Throws InputError where trebsweep refuses the file.
  */
 export function firstScene(given, core) {
   const studied = studiedKeys(given, core), values = {};
@@ -117,5 +117,5 @@ export function firstScene(given, core) {
   checkScenes(studied, count, values, core);
   const first = sceneAt(studied, 0);
   const texts = Object.fromEntries(Object.entries(first).map(([name, x]) => [name, numberText(x)]));
-  return { job: { ...given, ...texts }, text: sceneText(studied, first) };
+  return { job: { ...given, ...texts }, scene: sceneText(studied, first) };
 }

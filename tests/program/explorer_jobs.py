@@ -1,0 +1,104 @@
+"""Job files for explorer_test.py."""
+
+import random
+
+# Job files with a mistake each.
+WRONG_FILES = [
+    # Syntax.
+    "gravity = 1", "= 5", "gravity", "; a comment", "[]", "[scene", "[scenes]\ngravity = 1",
+    "[ scene ]\ngravity = 1", "[scene]\ngravity = 9 = 5", '[scene]\ngravity = "9"',
+    "[scene]\ngravity = 9 ; a comment", "[scene]\ngravity = 9# a",
+    "[scene]\ngravity = 9\n[lattice]\nincrement = 0.5\n[scene]\ngravity = 9",
+    "scene.gravity = 9\n[scene.]\ngravity = 9",
+    # Values.
+    "[scene]\ngravity =", "[scene]\ngravity = 0x10", "[scene]\ngravity = 1e400", "[scene]\nbeam-side = 1e-400",
+    "[scene]\ntrough =", "[scene]\nbeam-inertia = Prism", "[lattice]\nr1 =", "[lattice]\nr1 = 1:2",
+    "[lattice]\nr1 = 1:2:3", "[solver]\nstepper = rk5", "[solver]\ntolerance = 1", "[solver]\ntime-step = -1",
+    "[solver]\nmax-steps = 1e3", "[solver]\ncheck = maybe",
+    "[solver]\nstepper = rk4\nrelease = window\nrelease-window = 2", "[output]\nfile =", '[output]\nfile = "a"',
+    "[output]\nfields = speed, height", "[output]\nfields = , speed", "[output]\nfields = speed speed",
+    "[output]\nmaps = some", "[output]\nstorage = float16", "[output]\ncompression = 10",
+    "[output]\noptimum = best", "[optimum]\nobjective = status", "[optimum]\nsubject-to = range > 5",
+    "[optimum]\nsubject-to = range >= 5,", "[optimum]\ndeviation = -1", "[optimum]\nrobust = maybe",
+    '[assess]\nscenes = "a"', "[assess]\nsteppers = rk5", "[assess]\ntolerances =", "[assess]\ntime-steps = 0.1, 0",
+    "[assess]\ndesigns = 0", "[assess]\nlattice-seconds = -1",
+    # Rules.
+    "[scene]\nstart-angle = 0.5\nrelease-height = 2", "[scene]\nwind = 3", "[scene]\nbeam-mass = 500",
+    "[scene]\nbeam-mass = 500\nbeam-centre = 2\nbeam-moment = 1e-7", "[solver]\ntime-step = 0.001",
+    "[solver]\nstepper = rk4\ntolerance = 1e-6", "[solver]\ntolerance = 1e-6\ntarget-error = 1e-3",
+    "[solver]\nrelease = window", "[solver]\nrelease = pin", "[solver]\nrelease-window = 0.1",
+    "[output]\nfields = peak-hanger-tension", "[optimum]\nobjective = lift-off-time",
+    "[scene]\nbeam-side = 0\n[optimum]\nsubject-to = peak-beam-stress <= 1e7",
+    "[optimum]\nsubject-to = range >= 5, range >= 6", "[optimum]\nsubject-to = range >= 6, range <= 5",
+    "[optimum]\nrobust = worst", "[lattice]\nincrement = 1e-5", "[lattice]\nincrement = 1e-12",
+    "[lattice]\nr1 = 0.1:1e6:0.1\nr2 = 0.1:1e6:0.1",
+    # Studies.
+    "[scene]\ngravity = 5,,6", "[scene]\ngravity = 5, 5.0", "[scene]\ngravity = 5, -1", "[scene]\ngravity = 1:5",
+    "[scene]\ngravity = 1: :1", "[scene]\ngravity = 1:2:1, 3", "[scene]\ngravity = 2:1:1",
+    "[scene]\ngravity = 1:5:1.5", "[scene]\ngravity = 1:2e7:1",
+    "[scene]\ngravity = 1:1001:1\nprojectile-mass = 1:1001:1", "[scene]\ntrough = yes, no",
+    "[scene]\ngravity = 9, 10\n[solver]\ntarget-error = 1e-3", "[scene]\nwind = 3, 4",
+    "[scene]\nsling-angle = 0, 0.1\n[output]\nfields = sling-angle", "[scene]\nsling-damping = 0, 3",
+    "[scene]\ncounterweight-hanger = 0, 1\nprojectile-mass = 5, 1",
+]
+EVERY_SECTION = """[scene]
+projectile-mass = 50
+[lattice]
+increment = 0.2
+[solver]
+stepper = rk4
+time-step = 0.002
+release = window
+release-window = 0.1
+max-steps = 40000
+check = no
+[output]
+file = kept.h5
+fields = speed, status range
+optimum = taut
+maps = all
+storage = float32
+compression = 3
+[optimum]
+objective = range
+subject-to = peak-axle-load <= 4e6, speed >= 1
+deviation = 0.001
+robust = no
+refine = no
+[assess]
+scenes = a.cfg b.cfg
+extremes = c.cfg
+steppers = rk4, vern8
+time-steps = 0.01 0.001
+tolerances = 1e-6
+designs = 10
+repeats = 3
+target-error = 1e-4
+lattice-seconds = 0
+"""
+
+
+def random_lattices(count):
+    """Jobs with lattices of random bounds, as {key: text}; some of them have no design."""
+    pick = random.Random(49)
+    number = lambda low, high: f"{pick.uniform(low, high):.3g}"  # noqa: E731
+
+    def axis():
+        first, steps = pick.randint(5, 15), pick.randint(0, 20)
+        return f"{first / 10}:{(first + steps) / 10}:0.1" if steps else str(first / 10)
+
+    for n in range(count):
+        job = {"scene.fulcrum-height": number(0.6, 3), "lattice.increment": number(0.02, 0.3)}
+        if n % 3 == 0:
+            job["scene.start-angle"] = number(0.3, 1)
+        else:
+            job["scene.release-height"] = number(0.5, 5)
+        if n % 2 == 0:
+            job["scene.counterweight-hanger"] = number(0.1, 1.2)
+        if n % 5 == 0:
+            job.update({"scene.trough": "yes", "lattice.r3": axis(), "lattice.r2": axis()})
+        elif n % 5 == 1:
+            job[f"lattice.{pick.choice(['r1', 'r3', 'r2'])}"] = axis()
+        elif n % 5 == 2:
+            job["lattice.shortest-sling"] = number(0.1, 2)
+        yield job
