@@ -5,7 +5,8 @@ import random
 # Job files with a mistake each.
 WRONG_FILES = [
     # Syntax.
-    "gravity = 1", "= 5", "gravity", "; a comment", "[]", "[scene", "[scenes]\ngravity = 1",
+    "gravity = 1", "= 5", "gravity", "; a comment", "[]", "[scene", "[scenes]\ngravity = 1", "toString = 1",
+    "__proto__ = 1",
     "[ scene ]\ngravity = 1", "[scene]\ngravity = 9 = 5", '[scene]\ngravity = "9"',
     "[scene]\ngravity = 9 ; a comment", "[scene]\ngravity = 9# a",
     "[scene]\ngravity = 9\n[lattice]\nincrement = 0.5\n[scene]\ngravity = 9",

@@ -31,7 +31,8 @@ MISTAKES = [
     {"solver.release-angle": "7"}, {"solver.max-time": "0"}, {"scene.release-height": "6"},
     {"scene.counterweight-hanger": "1.6"}, {"lattice.shortest-sling": "2"}, {"lattice.increment": "3"},
     {"lattice.r1": "1:2"}, {"lattice.r3": "0.3:0.95:0.1"}, {"lattice.r2": "2:1:0.1"},
-    {"solver.release": "pin", "solver.pin-angle": ""}, {"scene.beam-mass": "500"}, {"scene.sling-damping": "5"},
+    {"solver.release": "pin", "solver.pin-angle": ""}, {"solver.release": "window"}, {"scene.beam-mass": "500"},
+    {"scene.sling-damping": "5"},
     {"scene.counterweight-hanger": "0.2", "scene.sling-stiffness": "1e5"},
 ]
 
@@ -450,6 +451,7 @@ class Jobs(PageTest):
         self.open()
         self.open_file("every.cfg", EVERY_SECTION)
         self.assertEqual(self.text("notice").count(" = "), 6, self.text("notice"))
+        self.assertEqual(self.text("solver.release.why"), "The page computes crossing, at phi1 = pi, instead.")
         copied = self.copied_job()
         self.assertEqual(keys(copied), keys(EVERY_SECTION))
         self.wait(lambda: "stepper" in self.browser.current_url)
@@ -766,6 +768,7 @@ class Mistakes(PageTest):
             with self.subTest(name=name, job=job):
                 if job is None:
                     self.type("preset", name)
+                    self.type("lattice.increment", "0.07")
                     name = os.path.basename(self.write(f"{name}.cfg", self.copied_job()))
                 else:
                     self.open_file(name, "".join(f"{key} = {value}\n" for key, value in job.items()))
@@ -774,7 +777,7 @@ class Mistakes(PageTest):
                     continue
                 accepted += job is not None
                 self.run_program("sweep", name, "--solver.max-steps", "1", "--solver.check", "no", "--overwrite",
-                                 "--output.file", "lattice.h5", "--output.fields", "status")
+                                 "--output.file", "lattice.h5", "--output.maps", "none")
                 page = json.loads(self.script("return document.getElementById('planes').dataset.lattice"))
                 with h5py.File(self.path("lattice.h5")) as archive:
                     for axis, own in zip(("r1", "r3", "r2"), page):

@@ -86,7 +86,8 @@ export class Controls {
       const why = unused.get(key.name);
       for (const control of [input, slider]) if (control) control.disabled = why !== undefined;
       input.closest(".key").classList.toggle("unused", why !== undefined);
-      document.getElementById(`${key.name}.why`).textContent = why ? `L${why.slice(1)}.` : "";
+      document.getElementById(`${key.name}.why`).textContent =
+        why ? `L${why.slice(1)}.` : value === "window" ? "The page computes crossing, at phi1 = pi, instead." : "";
     }
   }
 

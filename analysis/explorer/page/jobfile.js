@@ -15,7 +15,7 @@ const trimmed = (text) => text.replace(/^[ \t\r]+|[ \t\r]+$/g, "");
 
 /** The keys of a job file's text, as {"section.key": "value"}; as in src/job/config_file.cpp. */
 export function parsed(text) {
-  const values = {}, lines = {};
+  const values = new Map(), lines = new Map();
   let section = "";
   text.replace(/^\ufeff/, "").split("\n").forEach((line, index) => {
     const number = index + 1, hash = line.indexOf("#");
@@ -31,11 +31,11 @@ export function parsed(text) {
     if (hash > 0 && !/[ \t]/.test(line[hash - 1]))
       refuseLine(trimmed(line), "has a # inside a value; put a space before a comment");
     const key = section + trimmed(content.slice(0, equals));
-    if (key in lines) refuseFile(`${shortened(key)} is given twice, on lines ${lines[key]} and ${number}`);
-    lines[key] = number;
-    values[key] = trimmed(content.slice(equals + 1));
+    if (lines.has(key)) refuseFile(`${shortened(key)} is given twice, on lines ${lines.get(key)} and ${number}`);
+    lines.set(key, number);
+    values.set(key, trimmed(content.slice(equals + 1)));
   });
-  return values;
+  return Object.fromEntries(values);
 }
 
 /** Refuses a key that no job has. */
@@ -75,7 +75,7 @@ export function readJob(text, presets, core) {
   return firstScene(withScene(given, presets), core);
 }
 
-/** Keys that change what the program computes, but not what the page shows, unless they have these values. */
+/** Keys that the page does not use, with the values for which it still shows what the program computes. */
 const assumed = {
   "solver.stepper": "vern8", "output.optimum": "all", "optimum.objective": "speed", "optimum.subject-to": "",
   "optimum.robust": "no",
