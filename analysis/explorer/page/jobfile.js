@@ -54,8 +54,8 @@ function refuseUnknown(name) {
 function withScene({ "scene.file": path, ...given }, presets) {
   if (path === undefined) return given;
   const [, preset] = path.match(/^(?:.*\/)?scenes\/(\w+)\.cfg$/) ?? [];
-  const scene = Object.hasOwn(presets, preset) ? parsed(presets[preset]) : {};
-  if (!Object.keys(scene).length || !Object.keys(scene).every((key) => key.startsWith("scene.")))
+  const scene = Object.hasOwn(presets, preset) ? parsed(presets[preset]) : null;
+  if (!scene || !Object.keys(scene).every((key) => key.startsWith("scene.")))
     refuseFile(`scene.file = ${shortened(path)}: cannot be read by the page, which has the scenes of jobs/scenes ` +
                "alone; open that file itself, or copy its keys to [scene] of this one");
   return { ...scene, ...given };
