@@ -13,7 +13,7 @@ import { firstDesign, fromFragment, jobText, readJob, suggestedDesign, toFragmen
 import { machineOf } from "./machine.js";
 import { drawScale, PlaneView } from "./plane.js";
 import { Pool } from "./pool.js";
-import { has, quantities, quantityOf, valueText } from "./quantities.js";
+import { has, quantities, quantityOf } from "./quantities.js";
 import { showReadouts } from "./readouts.js";
 import { checkedJob, mended } from "./rules.js";
 import { clamped, isInside, moved, outsideText, planes } from "./space.js";
@@ -170,7 +170,7 @@ function draw() {
   at("scale").hidden = field === "status";
   at("legend").hidden = field !== "status";
   if (field !== "status") {
-    drawScale(at("scale"), limits, (tick) => `${valueText(quantity, tick, 4)} ${quantity.unit}`);
+    drawScale(at("scale"), limits, quantity);
     at("scale").dataset.limits = limits.join(" ");
   }
   designFields.show(design, box);
@@ -180,7 +180,6 @@ function draw() {
   at("lock").disabled = field === "status";
   at("field").value = field;
   for (const option of at("field").options) option.disabled = !has(quantityOf.get(option.value), numbers);
-  at("pin").setAttribute("aria-pressed", String(state.pinned !== null));
   at("pin").textContent = state.pinned ? "Unpin" : "Pin this design";
   planes.forEach(({ across }, i) => { at(`caption.${i}`).textContent = `${across} = ${design[across]} m`; });
   drawSwing(numbers);
@@ -261,8 +260,10 @@ function listen() {
     locked: at("lock").checked ? at("scale").dataset.limits.split(" ").map(Number) : null });
   at("controls").onsubmit = (event) => event.preventDefault();
   window.addEventListener("resize", redraw);
+  new ResizeObserver(redraw).observe(at("machine")); // its height depends on the rest of the page
   window.addEventListener("hashchange", () => restore(fromFragment(location.hash.slice(1))));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+  matchMedia("print").addEventListener("change", draw); // at once: a printer does not wait for the next frame
   listenForFiles(tryToLoad, (message) => notice(message, true));
 }
 
