@@ -874,7 +874,8 @@ class Trace(CommandTest):
 
     def test_a_swing_without_release_is_reported(self):
         done = self.run_program("trace", self.job, *self.DESIGN, "--solver.max-time", "0.3")
-        self.assertIn("not_released", done.stderr)
+        self.assertEqual(done.stderr, "the swing ends without a release: not_released: "
+                                      "no release before solver.max-time, or none above the ground\n")
 
     def test_invalid_designs_are_refused(self):
         self.assert_refused(["trace", self.job, "--r1", "1", "--r2", "1"], "--r3: missing")

@@ -4,6 +4,7 @@ Needs TREBSWEEP (the program) in the environment, a browser and the packages of 
 them. With TREBSWEEP_PICTURES, the screenshots are kept in that directory.
 """
 
+import contextlib
 import json
 import os
 import random
@@ -123,6 +124,21 @@ class PageTest(DirectoryTest):
         self.wait(lambda: self.text("readout.status"))
         if pictures:
             self.wait_for_pictures()
+
+    @contextlib.contextmanager
+    def window(self, width, height, scheme="light", mobile=False):
+        """A window of a size and colour scheme; a mobile one is touched."""
+        command = self.browser.execute_cdp_cmd
+        command("Emulation.setDeviceMetricsOverride", {
+            "width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile})
+        command("Emulation.setTouchEmulationEnabled", {"enabled": mobile})
+        command("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
+        try:
+            yield
+        finally:
+            command("Emulation.clearDeviceMetricsOverride", {})
+            command("Emulation.setTouchEmulationEnabled", {"enabled": False})
+            command("Emulation.setEmulatedMedia", {"features": []})
 
     def script(self, text, *arguments):
         return self.browser.execute_script(text, *arguments)
@@ -534,6 +550,56 @@ class Controls(PageTest):
             self.assertNotEqual(after[axis], design[axis])
         self.assertEqual(self.script("return scrollY"), 0)
 
+    def test_a_finger_scrolls_the_page_over_planes_and_sliders(self):
+        with self.window(390, 844, mobile=True):
+            self.open()
+            design = self.design()
+            for name in ("plane.0", "plane.2", "design.r1.slider", "scene.gravity.slider"):
+                with self.subTest(element=name):
+                    element = self.find(name)
+                    self.script("arguments[0].scrollIntoView({ block: 'center' })", element)
+                    at = self.script("const { x, y, width, height } = arguments[0].getBoundingClientRect(); "
+                                     "return [x + 0.3 * width, y + height / 2]", element)
+                    before = self.script("return scrollY")
+                    self.swipe_up(*at, 150)
+                    self.assertGreater(self.script("return scrollY"), before + 100)
+                    self.wait_for_pictures()
+                    self.assertEqual(self.design(), design)
+                    self.assertEqual(self.find("scene.gravity").get_property("value"), "9.8")
+
+    def swipe_up(self, x, y, distance):
+        touch = lambda kind, *points: self.browser.execute_cdp_cmd(  # noqa: E731
+            "Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y} for y in points]})
+        touch("touchStart", y)
+        for part in range(1, 11):
+            touch("touchMove", y - distance * part / 10)
+            time.sleep(0.02)
+        touch("touchEnd")
+
+    def test_a_tap_moves_the_crosshair(self):
+        with self.window(390, 844, mobile=True):
+            self.open()
+            design, plane = self.design(), self.find("plane.0")
+            x, y = self.script("const { x, y } = arguments[0].getBoundingClientRect(); return [x, y]", plane)
+            self.browser.execute_cdp_cmd("Input.synthesizeTapGesture", {"x": x + 120, "y": y + 120})
+            self.wait_for_pictures()
+            self.assertEqual(self.design()["r1"], design["r1"])
+            self.assertNotEqual(self.design()["r2"], design["r2"])
+
+    def test_only_a_drag_that_starts_on_a_plane_moves_the_crosshair(self):
+        from selenium.webdriver import ActionChains
+        self.open()
+        design, plane = self.design(), self.find("plane.0")
+        ActionChains(self.browser).move_to_element(self.find("maps")).move_to_element(self.find("headline")) \
+            .click_and_hold().move_to_element_with_offset(plane, -40, 40).release().perform()
+        ActionChains(self.browser).move_to_element_with_offset(plane, -30, 30).context_click().perform()
+        ActionChains(self.browser).move_to_element_with_offset(plane, -20, 20).perform()
+        self.wait_for_pictures()
+        self.assertEqual(self.design(), design)
+        ActionChains(self.browser).move_to_element_with_offset(plane, -20, 20).click().perform()
+        self.wait_for_pictures()
+        self.assertNotEqual(self.design(), design)
+
     def test_the_keyboard_alone_moves_the_crosshair(self):
         from selenium.webdriver.common.keys import Keys
         self.open()
@@ -548,6 +614,18 @@ class Controls(PageTest):
         self.wait_for_pictures()
         self.assertEqual(self.design(), {"r1": 0.51, "r3": 0.57, "r2": 0.89})
         self.assertIn("r2 = 0.89", plane.get_attribute("aria-label"))
+
+    def test_keys_move_the_crosshair_to_the_bounds_and_by_pages(self):
+        from selenium.webdriver.common.keys import Keys
+        self.open(FULL_PLANE)
+        plane = self.find("plane.0")  # over r2 and r3
+        for keys, (r3, r2) in (((Keys.HOME,), (0.58, 0.3)), ((Keys.END,), (0.58, 0.9)),
+                               ((Keys.PAGE_DOWN,), (0.48, 0.9)), ((Keys.PAGE_UP,), (0.58, 0.9)),
+                               ((Keys.SHIFT, Keys.END), (0.6, 0.9)), ((Keys.SHIFT, Keys.HOME), (0.3, 0.9))):
+            with self.subTest(keys=keys):
+                plane.send_keys(*keys)
+                self.wait_for_pictures()
+                self.assertEqual(self.design(), {"r1": 0.51, "r3": r3, "r2": r2})
 
     def test_lengths_stay_positive(self):
         from selenium.webdriver.common.keys import Keys
@@ -626,21 +704,79 @@ class Controls(PageTest):
             return [...document.querySelectorAll('input, select, button, canvas, textarea')]
               .filter((node) => !name(node)?.trim()).map((node) => node.outerHTML);"""), [])
 
+    def test_planes_and_readouts_agree_about_releases_below_the_ground(self):
+        self.open({"scene.start-angle": "0.2", "solver.release-angle": "0.5",
+                   "lattice.r2": "0.8:1.2:0.1", "lattice.r3": "0.8:1.2:0.1"},
+                  {"r1": "0.51", "r3": "1.2", "r2": "1"}, field="status")
+        self.assertEqual(self.text("readout.status"), "released below ground")
+        self.assertTrue(self.script("""
+            const item = [...document.querySelectorAll('#legend span')].find((span) =>
+              span.textContent === 'released below ground');
+            const colour = getComputedStyle(item.firstChild).backgroundColor;
+            const plane = document.getElementById('plane.0');
+            const { data } = plane.getContext('2d').getImageData(0, 0, plane.width, plane.height);
+            return data.some((_, i) => i % 4 === 0 && `rgb(${[...data.subarray(i, i + 3)].join(', ')})` === colour);
+        """))
+
     def test_layouts_fit_their_windows(self):
-        layouts = {"light": (1500, 1110, "light"), "dark": (1500, 1110, "dark"), "small": (1000, 1600, "light"),
-                   "telephone": (390, 2900, "dark")}
+        layouts = {"light": (1500, 1110, "light"), "dark": (1500, 1110, "dark"), "small": (1000, 800, "light"),
+                   "1280": (1280, 720, "dark"), "1366": (1366, 768, "light"), "1920": (1920, 1080, "light"),
+                   "tablet": (768, 1024, "light"), "telephone": (390, 844, "dark")}
+        overflows = """
+            return [document.documentElement, ...document.querySelectorAll('header, main > *, .bar')]
+              .filter((node) => node.scrollWidth > node.clientWidth).map((node) => node.id || node.tagName);"""
         for name, (width, height, scheme) in layouts.items():
-            with self.subTest(layout=name):
-                self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
-                    "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600})
-                self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
-                    "features": [{"name": "prefers-color-scheme", "value": scheme}]})
+            with self.subTest(layout=name), self.window(width, height, scheme, mobile=width < 800):
                 self.open()
                 self.script("const time = document.getElementById('time'); time.value = 250; time.oninput()")
-                self.assertLessEqual(self.script("return document.documentElement.scrollWidth"), width)
+                self.assertEqual(self.script(overflows), [])
                 self.save_picture(f"explorer-{name}.png")
-        self.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+                if width >= 1000:
+                    self.assert_pictures_are_in_view_with("solver.max-time.slider", height)
+                self.find("pin").click()
+                self.wait_for_pictures()
+                self.assertEqual(self.script(overflows), [])
+                self.save_picture(f"explorer-{name}-pinned.png")
+
+    def assert_pictures_are_in_view_with(self, control, height):
+        self.script("document.getElementById(arguments[0]).scrollIntoView({ block: 'nearest' })", control)
+        for name in (control, "plane.0", "plane.1", "plane.2", "machine"):
+            top, bottom = self.script("const { top, bottom } = document.getElementById(arguments[0])"
+                                      ".getBoundingClientRect(); return [top, bottom]", name)
+            self.assertGreaterEqual(top, 0, name)
+            self.assertLessEqual(bottom, height + 1, name)  # rounding
+
+    def test_a_telephone_shows_everything_below_one_another(self):
+        with self.window(390, 4000, mobile=True):
+            self.open()
+            self.save_picture("explorer-telephone-whole.png")
+            bottoms = [self.script("return document.getElementById(arguments[0]).getBoundingClientRect().bottom", name)
+                       for name in ("maps", "swing", "numbers", "controls", "curves")]
+            self.assertEqual(bottoms, sorted(bottoms))
+
+    def test_a_print_of_a_dark_page_is_light(self):
+        with self.window(1500, 1110, "dark"):
+            self.open()
+            self.script("""
+                const look = () => {
+                  const { width, height } = document.getElementById('plots');
+                  const copy = Object.assign(document.createElement('canvas'), { width, height }).getContext('2d');
+                  copy.drawImage(document.getElementById('plots'), 0, 0);
+                  const { data } = copy.getImageData(0, 0, width, height);
+                  const drawn = [...data.keys()].filter((i) => i % 4 === 3 && data[i] > 200);
+                  return { ground: getComputedStyle(document.body).backgroundColor,
+                           controls: getComputedStyle(document.getElementById('controls')).display,
+                           lines: drawn.reduce((sum, i) => sum + data[i - 1], 0) / drawn.length };
+                };
+                window.onScreen = look();
+                matchMedia('print').addEventListener('change', ({ matches }) => {
+                  if (matches) window.inPrint = look();
+                });""")
+            self.browser.execute_cdp_cmd("Page.printToPDF", {})
+            on_screen, in_print = self.script("return [onScreen, inPrint]")
+            self.assertEqual(in_print["ground"], "rgb(255, 255, 255)")
+            self.assertEqual(in_print["controls"], "none")
+            self.assertLess(in_print["lines"], on_screen["lines"])
 
 
 class Mistakes(PageTest):

@@ -31,7 +31,6 @@ export class Animation {
     this.isPlaying = on;
     this.last = null;
     at("play").textContent = on ? "Pause" : "Play";
-    at("play").setAttribute("aria-pressed", String(on));
     if (on) requestAnimationFrame((now) => this.#step(now));
   }
 

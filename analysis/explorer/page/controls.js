@@ -2,6 +2,7 @@
 
 import { allowedText, groups, keys } from "./keys.js";
 import { parseNumber } from "./numbers.js";
+import { onSlide } from "./touch.js";
 
 const resolution = 1000;
 
@@ -46,8 +47,8 @@ function row(key, core, change) {
   ];
   if (key.slider) {
     const scale = scaleOf(key.slider);
-    const slider = element("input", { id: `${id}.slider`, type: "range", min: 0, max: resolution, step: 1,
-                                      oninput: () => change(id, scale.value(Number(slider.value))) });
+    const slider = element("input", { id: `${id}.slider`, type: "range", min: 0, max: resolution, step: 1 });
+    onSlide(slider, () => change(id, scale.value(Number(slider.value))));
     slider.setAttribute("aria-label", `${key.label}, slider`);
     slider.setPosition = (x) => {
       const isOwnEdit = scale.value(Number(slider.value)) === String(x);

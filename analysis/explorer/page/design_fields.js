@@ -2,6 +2,7 @@
 
 import { isLength, parseNumber } from "./numbers.js";
 import { axes, axisNames, windowOf } from "./space.js";
+import { onSlide } from "./touch.js";
 
 const resolution = 1000;
 
@@ -26,7 +27,7 @@ export class DesignFields {
         this.#report(axis, isLength(x) ? "" : "must be a number above 0, from 1e-12 to 1e+12");
         if (isLength(x)) change({ [axis]: x });
       };
-      slider.oninput = () => change({ [axis]: this.#lengthAt(axis, slider.value) });
+      onSlide(slider, () => change({ [axis]: this.#lengthAt(axis, slider.value) }));
     }
   }
 

@@ -36,7 +36,9 @@ export class Engine {
   integrate(designs, field, tolerance) {
     const count = designs.length / 3;
     const values = new Float64Array(count), statuses = new Uint8Array(count);
-    const fields = BASIC.includes(field) ? [] : [field];
+    const isBasic = BASIC.includes(field);
+    const requested = field === "status" ? "range" : field; // a release below the ground needs the flight
+    const fields = BASIC.includes(requested) ? [] : [requested];
     for (let first = 0; first < count; first += this.maxDesigns) {
       const n = Math.min(this.maxDesigns, count - first);
       this.#put(designs.subarray(3 * first, 3 * (first + n)), fields);
@@ -44,9 +46,9 @@ export class Engine {
       for (let i = 0; i < n; ++i) {
         const result = this.#result(i);
         statuses[first + i] = result.status;
-        values[first + i] = fields.length ? 0 : this.#basic(result, field);
+        if (isBasic) values[first + i] = this.#basic(result, field);
       }
-      if (fields.length) values.set(this.#numbers(this.core.values_address(), n), first);
+      if (!isBasic) values.set(this.#numbers(this.core.values_address(), n), first);
     }
     return { values, statuses };
   }

@@ -66,7 +66,7 @@ export function drawMachine(canvas, traces, t) {
                  point(0.25 * scene.fulcrumHeight, ground)], { colour: colours.line, width: 2 });
   shown.slice().reverse().forEach((trace) => {
     const isPinned = trace !== traces[0];
-    context.globalAlpha = isPinned ? 0.45 : 1;
+    context.globalAlpha = isPinned ? 0.7 : 1;
     drawOne(context, trace, t, point, isPinned ? { ...colours, accent: colours.pinned } : colours);
     context.globalAlpha = 1;
   });
@@ -121,7 +121,7 @@ export function drawFlight(canvas, traces, t) {
   }
   context.textAlign = "left";
   line(context, [point(0, 0), point(0, scene.fulcrumHeight)], { colour: colours.wood, width: 3 });
-  for (const trace of shown) {
+  for (const trace of shown.reverse()) {
     const colour = trace === traces[0] ? colours.accent : colours.pinned;
     const { flight } = trace;
     line(context, Array.from(flight.x, (x, i) => point(x, flight.height[i])), { colour, width: 1.5 });

@@ -14,7 +14,7 @@ import { keys } from "./keys.js";
 import { machineOf } from "./machine.js";
 import { drawScale, PlaneView } from "./plane.js";
 import { Pool } from "./pool.js";
-import { has, quantities, quantityOf, valueText } from "./quantities.js";
+import { has, quantities, quantityOf } from "./quantities.js";
 import { showReadouts } from "./readouts.js";
 import { Presets } from "./presets.js";
 import { checkedJob, mended } from "./rules.js";
@@ -177,7 +177,7 @@ function draw() {
   at("scale").hidden = field === "status";
   at("legend").hidden = field !== "status";
   if (field !== "status") {
-    drawScale(at("scale"), limits, (tick) => `${valueText(quantity, tick, 4)} ${quantity.unit}`);
+    drawScale(at("scale"), limits, quantity);
     at("scale").dataset.limits = limits.join(" ");
   }
   designFields.show(design, box);
@@ -187,7 +187,6 @@ function draw() {
   at("lock").disabled = field === "status";
   at("field").value = field;
   for (const option of at("field").options) option.disabled = !has(quantityOf.get(option.value), numbers);
-  at("pin").setAttribute("aria-pressed", String(state.pinned !== null));
   at("pin").textContent = state.pinned ? "Unpin" : "Pin this design";
   planes.forEach(({ across }, i) => { at(`caption.${i}`).textContent = `${across} = ${design[across]} m`; });
   drawSwing(numbers);
@@ -276,8 +275,10 @@ function listen() {
     locked: at("lock").checked ? at("scale").dataset.limits.split(" ").map(Number) : null });
   at("controls").onsubmit = (event) => event.preventDefault();
   window.addEventListener("resize", redraw);
+  new ResizeObserver(redraw).observe(at("machine")); // its height depends on the rest of the page
   window.addEventListener("hashchange", () => restore(fromFragment(location.hash.slice(1))));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+  matchMedia("print").addEventListener("change", draw); // at once: a printer does not wait for the next frame
   listenForFiles(tryToLoad, (message) => notice(message, true));
 }
 

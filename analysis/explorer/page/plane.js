@@ -2,17 +2,23 @@
 
 import { line, prepared, star, theme } from "./canvas.js";
 import { colourOf, statusColour, ticks } from "./colours.js";
+import { titleOf, valueText } from "./quantities.js";
 import { axisNames, localMaxima, windowOf } from "./space.js";
+import { hasSlid } from "./touch.js";
 
-const margin = { left: 46, right: 8, top: 6, bottom: 38 };
+const margin = { right: 14, top: 8, bottom: 38 };
+/** Widths left of a plane, pixels: of the title of its axis, and of the marks with the gaps next to the numbers. */
+const titleWidth = 18, markWidth = 9;
 
 export class PlaneView {
   /** @param move called with a function of the design that returns the user's part, as {r1, r2} */
   constructor(canvas, plane, move) {
-    Object.assign(this, { canvas, plane, move, data: null });
+    Object.assign(this, { canvas, plane, move, data: null, drag: null });
     this.image = document.createElement("canvas");
-    canvas.addEventListener("pointerdown", (event) => this.#drag(event));
-    canvas.addEventListener("pointermove", (event) => event.buttons && this.#drag(event));
+    canvas.addEventListener("pointerdown", (event) => this.#start(event));
+    canvas.addEventListener("pointermove", (event) => this.#follow(event));
+    canvas.addEventListener("pointerup", (event) => this.#end(event));
+    canvas.addEventListener("pointercancel", () => { this.drag = null; });
     canvas.addEventListener("keydown", (event) => this.#press(event));
   }
 
@@ -31,8 +37,8 @@ export class PlaneView {
     this.view = view;
     const { context, width, height } = prepared(this.canvas);
     const colours = theme();
-    this.frame = { left: margin.left, top: margin.top, width: width - margin.left - margin.right,
-                   height: height - margin.top - margin.bottom };
+    const { frame, rowTicks } = this.#layout(context, width, height);
+    Object.assign(this, { frame, rowTicks });
     const { left, top, width: w, height: h } = this.frame;
     this.#hatch(context, colours);
     if (this.data?.field === view.field) this.#paint(context, view);
@@ -40,8 +46,18 @@ export class PlaneView {
          { colour: colours.line });
     this.#axes(context, colours);
     this.#limits(context, colours);
-    this.#markers(context, view, colours);
+    this.#markers(context, view);
     this.canvas.setAttribute("aria-label", this.#description(view));
+  }
+
+  /** The frame of the picture, next to the numbers of its vertical axis. */
+  #layout(context, width, height) {
+    const { low, high } = this.#window(this.plane.v);
+    const inner = height - margin.top - margin.bottom;
+    const rowTicks = ticks(low, high, inner / 45);
+    const numbers = Math.max(0, ...rowTicks.map((tick) => context.measureText(tick).width));
+    const left = titleWidth + numbers + markWidth;
+    return { frame: { left, top: margin.top, width: width - left - margin.right, height: inner }, rowTicks };
   }
 
   #window(axis) {
@@ -100,7 +116,7 @@ export class PlaneView {
   #axes(context, colours) {
     const { left, top, width, height } = this.frame;
     const { plane } = this;
-    const u = this.#window(plane.u), v = this.#window(plane.v);
+    const u = this.#window(plane.u);
     context.fillStyle = colours.text;
     context.textAlign = "center";
     context.textBaseline = "top";
@@ -112,12 +128,12 @@ export class PlaneView {
     context.fillText(axisTitle(context, plane.u, width), left + width / 2, top + height + 21);
     context.textAlign = "right";
     context.textBaseline = "middle";
-    for (const tick of ticks(v.low, v.high, height / 45)) {
+    for (const tick of this.rowTicks) {
       line(context, [[left - 4, this.#y(tick)], [left, this.#y(tick)]], { colour: colours.line });
       context.fillText(String(tick), left - 6, this.#y(tick));
     }
     context.save();
-    context.translate(10, top + height / 2);
+    context.translate(titleWidth / 2, top + height / 2);
     context.rotate(-Math.PI / 2);
     context.textAlign = "center";
     context.fillText(axisTitle(context, plane.v, height), 0, 0);
@@ -128,27 +144,30 @@ export class PlaneView {
   #limits(context, colours) {
     const { box, design } = this.view;
     const { u, v } = this.plane;
-    const style = { colour: colours.text, width: 1.5 };
     const uWindow = this.#window(u), vWindow = this.#window(v);
     context.save();
     context.beginPath();
     context.rect(this.frame.left, this.frame.top, this.frame.width, this.frame.height);
     context.clip();
+    const limit = (points) => {
+      line(context, points, { colour: colours.panel, width: 3 });
+      line(context, points, { colour: colours.text, width: 1.5 });
+    };
     if (Number.isFinite(box.reach)) {
       const points = this.plane.across === "r1"
         ? [uWindow.low, uWindow.high].map((x) => [this.#x(x), this.#y(box.reach - x)])
         : [vWindow.low, vWindow.high].map((y) =>
           [this.#x(box.reach - design[this.plane.across]), this.#y(y)]);
-      line(context, points, style);
+      limit(points);
     }
     if (box[u].low === box[u].high)
-      line(context, [vWindow.low, vWindow.high].map((y) => [this.#x(box[u].low), this.#y(y)]), style);
+      limit([vWindow.low, vWindow.high].map((y) => [this.#x(box[u].low), this.#y(y)]));
     if (box[v].low === box[v].high)
-      line(context, [uWindow.low, uWindow.high].map((x) => [this.#x(x), this.#y(box[v].low)]), style);
+      limit([uWindow.low, uWindow.high].map((x) => [this.#x(x), this.#y(box[v].low)]));
     context.restore();
   }
 
-  #markers(context, { box, design, optimum, pinned, field }, colours) {
+  #markers(context, { box, design, optimum, pinned, field }) {
     const { u, v, across } = this.plane;
     const { left, top, width, height } = this.frame;
     context.save();
@@ -166,15 +185,14 @@ export class PlaneView {
           line(context, [[x, y - 4], [x, y + 4]], { colour, width: w });
         }
       }
+    // Black lines make the crosshairs visible on bright cells, and light ones on dark cells.
     const cross = (at, colour, dash) => {
-      for (const [paint, w] of [["#00000080", 3], [colour, 1.5]]) {
-        line(context, [[this.#x(at[u]), top], [this.#x(at[u]), top + height]],
-             { colour: paint, width: w, dash });
-        line(context, [[left, this.#y(at[v])], [left + width, this.#y(at[v])]],
-             { colour: paint, width: w, dash });
+      for (const style of [{ colour: "#000000", width: 3.5 }, { colour, width: 1.5, dash }]) {
+        line(context, [[this.#x(at[u]), top], [this.#x(at[u]), top + height]], style);
+        line(context, [[left, this.#y(at[v])], [left + width, this.#y(at[v])]], style);
       }
     };
-    if (pinned) cross(pinned, colours.pinned, [2, 4]);
+    if (pinned) cross(pinned, "#ffa24d", [4, 4]);
     cross(design, "#ffffff", []);
     context.restore();
     const isWithin = (axis) => {
@@ -191,13 +209,35 @@ export class PlaneView {
   #description({ design, field }) {
     const { u, v, across } = this.plane;
     return `${field} over ${axisNames[u]} and ${axisNames[v]} at ${across} = ${design[across]} m. ` +
-      `Crosshair at ${u} = ${design[u]}, ${v} = ${design[v]} m. Arrow keys move it.`;
+      `Crosshair at ${u} = ${design[u]}, ${v} = ${design[v]} m. ` +
+      "Arrow keys, Home, End, Page Up and Page Down move it.";
   }
 
-  #drag(event) {
+  /** Starts a drag; a finger may still scroll the page. */
+  #start(event) {
+    if (event.button !== 0 || !event.isPrimary) return;
+    this.drag = { start: event, isMoving: event.pointerType !== "touch" };
+    if (!this.drag.isMoving) return;
     event.preventDefault();
+    this.canvas.setPointerCapture(event.pointerId);
+    this.#moveTo(event);
+  }
+
+  #follow(event) {
+    if (event.pointerId !== this.drag?.start.pointerId) return;
+    this.drag.isMoving ||= hasSlid(this.drag.start, event);
+    if (this.drag.isMoving) this.#moveTo(event);
+  }
+
+  /** Ends a drag; where a finger has not moved, it was a tap. */
+  #end(event) {
+    if (event.pointerId !== this.drag?.start.pointerId) return;
+    if (!this.drag.isMoving) this.#moveTo(event);
+    this.drag = null;
+  }
+
+  #moveTo(event) {
     this.canvas.focus({ preventScroll: true });
-    if (event.type === "pointerdown") this.canvas.setPointerCapture?.(event.pointerId);
     const area = this.canvas.getBoundingClientRect();
     const { left, top, width, height } = this.frame;
     const at = (part, axis) => {
@@ -211,15 +251,21 @@ export class PlaneView {
     this.move(() => part);
   }
 
-  /** Arrow keys move by a step of the lattice, ten with Shift. */
+  /**
+   * Arrow keys move by a step of the lattice, ten with Shift; Page Up and Page Down by ten vertically;
+   * Home and End to the bounds horizontally, with Shift vertically.
+   */
   #press(event) {
-    const directions = { ArrowLeft: [this.plane.u, -1], ArrowRight: [this.plane.u, 1],
-                         ArrowDown: [this.plane.v, -1], ArrowUp: [this.plane.v, 1] };
-    if (!(event.key in directions) || event.ctrlKey || event.altKey || event.metaKey) return;
+    const { plane: { u, v }, view: { box } } = this;
+    const many = event.shiftKey ? 10 : 1, far = event.shiftKey ? v : u;
+    const moves = {
+      ArrowLeft: [u, -many], ArrowRight: [u, many], ArrowDown: [v, -many], ArrowUp: [v, many],
+      PageDown: [v, -10], PageUp: [v, 10], Home: [far, -Infinity], End: [far, Infinity],
+    };
+    if (!(event.key in moves) || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
-    const [axis, sign] = directions[event.key];
-    const step = this.view.box[axis].step * (event.shiftKey ? 10 : 1);
-    this.move((design) => ({ [axis]: design[axis] + sign * step }));
+    const [axis, steps] = moves[event.key];
+    this.move((design) => ({ [axis]: design[axis] + steps * box[axis].step }));
   }
 }
 
@@ -229,20 +275,23 @@ function axisTitle(context, axis, length) {
   return context.measureText(title).width <= length ? title : `${axis} (m)`;
 }
 
-/** The colour scale below the planes, with its limits. */
-export function drawScale(canvas, limits, text) {
+/** The colour scale below the planes: the quantity with its unit, and the colours with their values. */
+export function drawScale(canvas, limits, quantity) {
   const { context, width } = prepared(canvas);
-  const colours = theme();
-  const left = 30, right = width - 30;
+  const title = titleOf(quantity), text = (value) => valueText(quantity, value, 4);
+  const [low, high] = limits;
+  const left = Math.ceil(context.measureText(title).width) + 30, right = width - 24;
   for (let x = left; x < right; ++x) {
-    const [r, g, b] = colourOf(limits[0] + ((x - left) / (right - left)) * (limits[1] - limits[0]), limits);
+    const [r, g, b] = colourOf(low + ((x - left) / (right - left)) * (high - low), limits);
     context.fillStyle = `rgb(${r}, ${g}, ${b})`;
     context.fillRect(x, 2, 1.5, 12);
   }
-  context.fillStyle = colours.text;
-  context.textAlign = "center";
+  context.fillStyle = theme().text;
   context.textBaseline = "top";
-  const [low, high] = limits;
-  for (const tick of ticks(low, high, width / 70))
+  context.textAlign = "left";
+  context.fillText(title, 6, 2);
+  context.textAlign = "center";
+  for (const tick of ticks(low, high, Math.max((right - left) / 60, 2)))
     context.fillText(text(tick), left + ((tick - low) / (high - low || 1)) * (right - left), 17);
+  canvas.setAttribute("aria-label", `colour scale: ${title}, from ${text(low)} to ${text(high)}`);
 }

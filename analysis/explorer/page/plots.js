@@ -4,6 +4,7 @@ import { line, prepared, theme } from "./canvas.js";
 import { limitsOf, ticks } from "./colours.js";
 
 const margin = { left: 46, right: 8, top: 22, bottom: 20 };
+const titleLeft = 8;
 
 /** The plots; a curve is shown if the scene has what it shows. */
 const plots = [
@@ -54,8 +55,8 @@ function drawPlot(context, { title, curves, factor = 1 }, traces, t, colours, fr
   const palette = [colours.accent, colours.text, colours.third];
   context.textBaseline = "bottom";
   context.textAlign = "left";
-  context.fillText(title, left, top - 5);
-  let at = left + context.measureText(title).width + 14;
+  context.fillText(title, titleLeft, top - 5);
+  let at = titleLeft + context.measureText(title).width + 14;
   used.forEach(({ column, label }, i) => {
     for (const trace of traces)
       line(context, Array.from(trace.rows.t, (time, k) => [x(time), y(trace.rows[column][k] * factor)]),

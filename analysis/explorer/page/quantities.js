@@ -29,6 +29,11 @@ export const quantities = [
 
 export const quantityOf = new Map(quantities.map((quantity) => [quantity.field, quantity]));
 
+/** The name of a quantity with its unit. */
+export function titleOf({ label, unit }) {
+  return unit ? `${label} (${unit})` : label;
+}
+
 /** Whether a scene has a quantity, as in src/job/rules.cpp; `numbers` are those of the core. */
 export function has(quantity, numbers) {
   return quantity.if?.(numbers) ?? true;

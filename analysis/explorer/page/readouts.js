@@ -1,6 +1,6 @@
 // The table of quantities of the design and of the pinned one.
 
-import { has, quantities, valueText } from "./quantities.js";
+import { has, quantities, titleOf, valueText } from "./quantities.js";
 
 function cell(tag, text, id) {
   const made = document.createElement(tag);
@@ -19,8 +19,7 @@ export function showReadouts(table, { trace, error, planeError }, numbers, pinne
   const rows = quantities.filter((quantity) => has(quantity, numbers)).map((quantity) => {
     const row = document.createElement("tr");
     row.title = core.fields.find(({ name }) => name === quantity.field).meaning;
-    const label = quantity.unit ? `${quantity.label} (${quantity.unit})` : quantity.label;
-    row.append(cell("th", label), cell("td", value(quantity, trace), `readout.${quantity.field}`));
+    row.append(cell("th", titleOf(quantity)), cell("td", value(quantity, trace), `readout.${quantity.field}`));
     if (pinned) {
       const text = has(quantity, pinned.numbers) ? value(quantity, pinned.trace) : "–";
       row.append(cell("td", text, `pinned.${quantity.field}`));

@@ -80,8 +80,7 @@ export class StoredPlanes {
     const isShared = field === this.field;
     const scale = isShared ? limits : limitsOf(this.values(this.field));
     at("stored.scale").hidden = isShared;
-    if (!isShared)
-      drawScale(at("stored.scale"), scale, (tick) => `${valueText(this.quantity, tick, 4)} ${this.quantity.unit}`);
+    if (!isShared) drawScale(at("stored.scale"), scale, this.quantity);
     this.views.forEach((view) => view.draw({
       box: this.box, design: { ...design, [view.plane.across]: this.design[view.plane.across] }, field: this.field,
       limits: scale, optimum: this.design, pinned: null }));
