@@ -41,6 +41,7 @@ def joined(path, done):
     exports = ", ".join(re.findall(r"^export (?:async )?(?:function|class|const) (\w+)", text, re.M))
     body = imports.sub(lambda match: f"const {match[1]} = {name_of(match[2])};", text)
     body = re.sub(r"^export ", "", body, flags=re.M)
+    body = re.sub(r"^ *(//.*|/\*\*[\s\S]*?\*/)\n", "", body, flags=re.M)  # comments: the page is small
     return f"{before}const {name_of(path)} = (() => {{\n{body}return {{ {exports} }};\n}})();\n"
 
 
