@@ -1,10 +1,11 @@
 // The pictures of a plane: coarse first, then finer ones.
 
 import { planeDesigns, windowOf } from "./space.js";
+import { ranks } from "./workers.js";
 
 /** Cells along an axis, and the tolerance of all pictures except the last. */
 const sizes = [8, 25, 50, 100], coarseTolerance = 1e-5;
-/** A picture is left out if the next one takes less than this time, ms. */
+/** A picture is left out if a finer one takes less than this time, ms. */
 const patience = 50;
 /**
  * The limits of the steps of a swing, after which its status is step_budget. Where most swings need
@@ -12,12 +13,15 @@ const patience = 50;
  */
 const limits = [500, 2000, 8000, 20000];
 
-/** The least limit within which nine of ten designs end, as `steps`, and the time per design, ms, as `cost`. */
-export async function usualLimit(designs, integrate, isUnfinished) {
+/**
+ * Integrates designs with the least limit within which nine of ten end. Returns what Workers.integrate() does,
+ * and the limit, `steps`.
+ */
+export async function integratedMostly(designs, integrate, isUnfinished) {
   for (const steps of limits) {
-    const { statuses, milliseconds } = await integrate(designs, coarseTolerance, steps);
-    const isUsual = statuses.filter(isUnfinished).length <= 0.1 * statuses.length;
-    if (isUsual || steps === limits.at(-1)) return { steps, cost: milliseconds / statuses.length };
+    const found = await integrate(designs, coarseTolerance, steps);
+    const isUsual = found.statuses.filter(isUnfinished).length <= 0.1 * found.statuses.length;
+    if (isUsual || steps === limits.at(-1)) return { ...found, steps };
   }
 }
 
@@ -30,16 +34,14 @@ class Picture {
                           values: new Float64Array(n * n).fill(NaN), statuses: new Uint8Array(n * n) });
   }
 
-  /** Integrates some of the designs, given by their numbers. */
-  async integrate(numbers, integrate, ...settings) {
-    const designs = new Float64Array(3 * numbers.length);
-    numbers.forEach((n, i) => designs.set(this.designs.subarray(3 * n, 3 * n + 3), 3 * i));
-    const found = await integrate(designs, ...settings);
+  /** Takes the results of some of the designs, given by their numbers. */
+  take(found, numbers = this.cells.keys()) {
     this.milliseconds += found.milliseconds;
-    numbers.forEach((n, i) => {
+    let i = 0;
+    for (const n of numbers) {
       this.values[this.cells[n]] = found.values[i];
-      this.statuses[this.cells[n]] = found.statuses[i];
-    });
+      this.statuses[this.cells[n]] = found.statuses[i++];
+    }
   }
 
   /** What the page shows, which does not change later. */
@@ -52,25 +54,28 @@ class Picture {
 
 /**
  * Computes the pictures of a plane, and calls show({picture, designs, milliseconds}, isLast) with each.
- * integrate(designs, tolerance, steps, rank) is Workers.integrate(); isUnfinished(status): whether it is step_budget;
- * `late` is the rank of what few cells need.
+ * integrate(designs, tolerance, steps, rank) is Workers.integrate(); isUnfinished(status): whether it is step_budget.
  */
-export async function drawPasses(request, integrate, isUnfinished, late, show) {
-  const sample = new Picture(request, sizes[0]);
-  let { steps, cost } = await usualLimit(sample.designs, integrate, isUnfinished);
-  for (const [i, n] of sizes.slice(0, -1).entries()) {
-    if (sizes[i + 1] ** 2 * cost < patience) continue;
-    const picture = new Picture(request, n);
-    await picture.integrate([...picture.cells.keys()], integrate, coarseTolerance, steps);
-    cost = picture.milliseconds / n ** 2;
-    show(picture.answer, false);
+export async function drawPasses(request, integrate, isUnfinished, show) {
+  const last = sizes.length - 1;
+  let picture = new Picture(request, sizes[0]);
+  const first = await integratedMostly(picture.designs, integrate, isUnfinished), { steps } = first;
+  picture.take(first);
+  for (let i = 0; i < last;) {
+    const cost = picture.milliseconds / sizes[i] ** 2;
+    const isQuick = (n) => n ** 2 * cost < patience;
+    if (!isQuick(sizes[i + 1])) show(picture.answer, false);
+    i = Math.max(i + 1, sizes.findLastIndex(isQuick));
+    picture = new Picture(request, sizes[i]);
+    const settings = i === last ? [request.tolerance, steps, ranks.finest]
+      : [coarseTolerance, steps, ranks.plane + i / sizes.length];
+    picture.take(await integrate(picture.designs, ...settings));
   }
-  const last = new Picture(request, sizes.at(-1));
-  await last.integrate([...last.cells.keys()], integrate, request.tolerance, steps);
-  const rest = [...last.cells.keys()].filter((n) => isUnfinished(last.statuses[last.cells[n]]));
+  const rest = [...picture.cells.keys()].filter((n) => isUnfinished(picture.statuses[picture.cells[n]]));
   if (steps < limits.at(-1) && rest.length > 0) {
-    show(last.answer, false);
-    await last.integrate(rest, integrate, request.tolerance, limits.at(-1), late);
+    show(picture.answer, false);
+    const designs = Float64Array.from(rest.flatMap((n) => [...picture.designs.subarray(3 * n, 3 * n + 3)]));
+    picture.take(await integrate(designs, request.tolerance, limits.at(-1), ranks.late), rest);
   }
-  show(last.answer, true);
+  show(picture.answer, true);
 }

@@ -2,10 +2,8 @@
 
 import { drawPasses } from "./passes.js";
 import { search } from "./search.js";
-import { Workers } from "./workers.js";
+import { ranks, Workers } from "./workers.js";
 
-/** The most urgent first; `late` is what few cells of a plane need. */
-const ranks = { trace: 0, pinned: 0, values: 0, plane: 1, search: 2, late: 3 };
 /** Answers that are shown even if they are no longer to the last request. */
 const shownLate = ["trace", "plane"];
 const traceTolerance = 1e-12, traceSteps = 50000;
@@ -80,7 +78,7 @@ export class Pool {
   #compute(request) {
     const { numbers, field, box } = request;
     const show = (content, isLast) => this.#answer(request, content, isLast);
-    const integrate = (designs, tolerance = traceTolerance, steps = traceSteps, rank = ranks[request.type]) =>
+    const integrate = (designs, tolerance = traceTolerance, steps = traceSteps, rank = ranks[request.type] ?? 0) =>
       this.workers.integrate(request, rank, designs, { numbers, field, tolerance, steps });
     const budget = this.core.statuses.indexOf("step_budget"), isUnfinished = (status) => status === budget;
     const trace = async () => {
@@ -92,7 +90,7 @@ export class Pool {
     return {
       trace,
       pinned: trace,
-      plane: () => drawPasses(request, integrate, isUnfinished, ranks.late, show),
+      plane: () => drawPasses(request, integrate, isUnfinished, show),
       values: async () => show({ values: (await integrate(Float64Array.from(request.designs))).values }),
       search: () => search(box, integrate, isUnfinished, show),
     }[request.type]();

@@ -1,11 +1,12 @@
 // The search for the best designs: climbs from the maxima of a coarse lattice.
 
 import { Climb } from "./climb.js";
-import { usualLimit } from "./passes.js";
+import { integratedMostly } from "./passes.js";
 import { axes, clamped } from "./space.js";
+import { ranks } from "./workers.js";
 
 /** The time of the lattice, ms of one worker, and how many points it has along an axis. */
-const latticeTime = 1000, fewestPoints = 15, mostPoints = 30;
+const latticeTime = 500, fewestPoints = 15, mostPoints = 30;
 const latticeTolerance = 1e-5, climbTolerance = 1e-7;
 /** How many climbs there are from each generation on; the worst ones end. */
 const climbers = [[0, 20], [6, 8], [12, 4]], generations = 40, shownEvery = 5;
@@ -98,12 +99,18 @@ async function settled(box, maxima, integrate) {
 /**
  * Searches the box for the local maxima of a field, and calls show({maxima, progress}, isLast) with those
  * known so far, best first, as {design, value}; at last, rounded designs and their values at the
- * tolerance of traces. See passes.js for `integrate`, whose defaults are those of traces, and isUnfinished.
+ * tolerance of traces. See passes.js for `integrateRanked`, whose defaults are those of traces, and isUnfinished.
  */
-export async function search(box, integrate, isUnfinished, show) {
+export async function search(box, integrateRanked, isUnfinished, show) {
+  // In slow scenes, a search costs less than the finest pictures of the planes.
+  let rank = ranks.slowSearch;
+  const integrate = (designs, tolerance, steps) => integrateRanked(designs, tolerance, steps, rank);
   const inside = (designs) => designs.filter((design) => design);
-  const { steps, cost } = await usualLimit(flat(inside(latticeOf(box, 5))), integrate, isUnfinished);
-  const points = Math.min(Math.max(Math.floor(Math.cbrt(latticeTime / cost)), fewestPoints), mostPoints);
+  const sample = inside(latticeOf(box, 5));
+  const { steps, milliseconds } = await integratedMostly(flat(sample), integrate, isUnfinished);
+  const affordable = Math.floor(Math.cbrt(latticeTime * sample.length / milliseconds));
+  const points = Math.min(Math.max(affordable, fewestPoints), mostPoints);
+  if (points > fewestPoints) rank = ranks.search;
   const lattice = latticeOf(box, points);
   const { values } = await integrate(flat(inside(lattice)), latticeTolerance, steps);
   let next = 0;

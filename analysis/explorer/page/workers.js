@@ -1,6 +1,12 @@
 // The workers, and the tasks that wait for them: the most urgent one first, and each in pieces, so
 // that a more urgent one starts soon.
 
+/**
+ * Ranks of tasks, the most urgent first: traces, planes, whose coarser pictures come before finer ones, a
+ * search in slow scenes, the finest pictures, a search otherwise, and what few cells of a plane need.
+ */
+export const ranks = { trace: 0, plane: 1, slowSearch: 2, finest: 3, search: 4, late: 5 };
+
 /** Pieces that a worker has at a time: it starts the next one while the page takes the result of the last. */
 const depth = 2;
 /** The time of a piece, and the longest of a step of one design, ms. */
