@@ -9,7 +9,7 @@ const size = 40, decisive = 10;
 const logs = Array.from({ length: decisive }, (_, i) => Math.log((decisive + 0.5) / (i + 1)));
 const weights = logs.map((x) => x / logs.reduce((a, b) => a + b));
 /** How fast the scatter changes. */
-const rate = 0.4;
+const rate = 0.25;
 
 const square = (f) => axes.map((_, i) => axes.map((_, j) => f(i, j)));
 const weighted = (rows, f) => rows.reduce((sum, row, n) => sum + weights[n] * f(row), 0);

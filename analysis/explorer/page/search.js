@@ -6,10 +6,10 @@ import { axes, clamped } from "./space.js";
 import { ranks } from "./workers.js";
 
 /** The time of the lattice, ms of one worker, and how many points it has along an axis. */
-const latticeTime = 500, fewestPoints = 15, mostPoints = 30;
+const latticeTime = 1000, fewestPoints = 15, mostPoints = 30;
 const latticeTolerance = 1e-5, climbTolerance = 1e-7;
 /** How many climbs there are from each generation on; the worst ones end. */
-const climbers = [[0, 20], [6, 8], [12, 4]], generations = 40, shownEvery = 5;
+const climbers = [[0, 20], [10, 10], [20, 5]], generations = 50, shownEvery = 5;
 /** Relative: a rounded design whose value differs by less is as good. */
 const sameValue = 1e-7;
 
