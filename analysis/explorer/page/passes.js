@@ -5,8 +5,8 @@ import { ranks } from "./workers.js";
 
 /** Cells along an axis, and the tolerance of all pictures except the last. */
 const sizes = [8, 25, 50, 100], coarseTolerance = 1e-5;
-/** A picture is left out if a finer one takes less than this time, ms. */
-const patience = 50;
+/** A picture is left out if a finer one takes less than the first time, ms; after another one, the second time. */
+const patience = 50, laterPatience = 500;
 /**
  * The limits of the steps of a swing, after which its status is step_budget. Where most swings need
  * few, those that do not, such as beams that stick and slip, are left to the end.
@@ -61,10 +61,14 @@ export async function drawPasses(request, integrate, isUnfinished, show) {
   let picture = new Picture(request, sizes[0]);
   const first = await integratedMostly(picture.designs, integrate, isUnfinished), { steps } = first;
   picture.take(first);
+  let isShown = false;
   for (let i = 0; i < last;) {
     const cost = picture.milliseconds / sizes[i] ** 2;
-    const isQuick = (n) => n ** 2 * cost < patience;
-    if (!isQuick(sizes[i + 1])) show(picture.answer, false);
+    const isQuick = (n) => n ** 2 * cost < (isShown ? laterPatience : patience);
+    if (!isQuick(sizes[i + 1])) {
+      show(picture.answer, false);
+      isShown = true;
+    }
     i = Math.max(i + 1, sizes.findLastIndex(isQuick));
     picture = new Picture(request, sizes[i]);
     const settings = i === last ? [request.tolerance, steps, ranks.finest]

@@ -9,6 +9,8 @@ export const ranks = { trace: 0, plane: 1, slowSearch: 2, finest: 3, search: 4, 
 
 /** Pieces that a worker has at a time: it starts the next one while the page takes the result of the last. */
 const depth = 2;
+/** Workers: as many as processors, within these limits. More than processors get their share of a busy machine. */
+const fewest = 4, most = 16;
 /** The time of a piece, and the longest of a step of one design, ms. */
 const patience = 10, stepTime = 0.002;
 
@@ -65,7 +67,8 @@ export class Workers {
   /** Starts the workers of a script's address; ready(core) when each has started, fail(message) if one cannot. */
   constructor(address, module, ready, fail) {
     this.tasks = [];
-    this.workers = Array.from({ length: Math.min(Math.max(navigator.hardwareConcurrency ?? 4, 2), 16) }, () => {
+    const length = Math.min(Math.max(navigator.hardwareConcurrency ?? fewest, fewest), most);
+    this.workers = Array.from({ length }, () => {
       const worker = { port: new Worker(address), sent: [] };
       worker.port.onmessage = ({ data }) => (data.core ? ready(data.core) : this.#take(worker, data));
       worker.port.onerror = (event) => fail(event.message);
