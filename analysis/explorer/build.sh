@@ -32,7 +32,7 @@ mkdir -p "$build/include" "$(dirname "$page")"
 exec 9>$build/lock && flock 9 # against a second build at the same time
 ln -sfn /usr/include/boost "$build/include/boost" # without the rest of /usr/include, which is not WebAssembly's
 module=$build/explorer.wasm
-if [[ ! -e $module || -n $(find include analysis/explorer/{build.sh,explorer.cpp} -newer $module) ]]; then
+if [[ ! -e $module || -n $(find include analysis/explorer/{build.sh,*.?pp} -newer $module) ]]; then
   # Warnings as in CMakeLists.txt, except that indices of 64 bits may become addresses of 32 bits. No fused
   # multiply-add, as in the other kernels.
   clang++ --target=wasm32-wasi -std=c++20 -O2 -msimd128 -ffp-contract=off -fno-math-errno -fno-rtti \

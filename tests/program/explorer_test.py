@@ -277,6 +277,38 @@ class Numbers(PageTest):
         self.assertGreater(promised, 500)
         self.assertAlmostEqual(self.number("range"), promised, delta=1e-3)
 
+    def test_the_best_so_far_is_shown_while_the_search_continues(self):
+        self.open()
+        self.script("window.texts = []; const best = document.getElementById('best');"
+                    "new MutationObserver(() => texts.push(best.textContent)).observe(best, {childList: true})")
+        self.type("preset", "siege")
+        self.wait_for_pictures()
+        texts = self.script("return texts")
+        self.assertEqual(texts[0], "Searching for the best speed …")
+        best = [float(re.match(r"Searching for the best speed: so far (\S+) m/s \(\d+ %\)$", text)[1])
+                for text in texts[1:-1]]
+        self.assertGreater(len(best), 2)
+        self.assertEqual(best, sorted(best))
+        self.assertTrue(texts[-1].startswith("Go to the best speed found: "))
+
+    def test_a_computation_that_fails_is_reported_and_the_page_goes_on(self):
+        self.open()
+        before = self.picture("plane.0")
+        # The page refuses a scene with an elastic sling and a hanger, and the module has no equations for it.
+        self.script("window.post = Worker.prototype.postMessage; Worker.prototype.postMessage = function (message) {"
+                    "  const impossible = {'scene.sling-stiffness': 1e5, 'scene.counterweight-hanger': 0.2};"
+                    "  post.call(this, {...message, numbers: {...message.numbers, ...impossible}}); }")
+        self.type("design.r1", "0.55")
+        self.wait(lambda: self.text("notice").startswith("The computation failed: "))
+        self.wait_for_pictures()
+        self.assertFalse(self.find("headline").is_displayed())
+        self.script("Worker.prototype.postMessage = post")
+        self.type("design.r1", "0.51")
+        self.wait_for_pictures()
+        self.assertEqual(self.text("notice"), "")
+        self.assertAlmostEqual(self.number("speed"), OPTIMUM, delta=TOLERANCE)
+        self.assertEqual(self.picture("plane.0"), before)
+
     def test_stored_planes_agree_with_live_values(self):
         self.check_stored("optimum.h5", [], "100")
         self.check_stored("study.h5", ["--at", "projectile-mass=200", "--at", "projectile-diameter=0"], "200",

@@ -25,8 +25,6 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const at = (id) => document.getElementById(id);
 
 const planeTolerance = 1e-7;
-/** Cells along an axis of a plane, and tolerance: coarse, then fine. */
-const passes = [[25, 1e-5], [100, planeTolerance]];
 
 /** `origin`: the preset or file from which the job comes. */
 const state = {
@@ -112,7 +110,7 @@ function ask() {
   const { design, field } = state;
   pool.sendOther("trace", { numbers, design, planeTolerance });
   planes.forEach((plane, index) =>
-    pool.sendPlane(index, { numbers, box, plane, field, passes, at: design[plane.across] }));
+    pool.sendPlane(index, { numbers, box, plane, field, tolerance: planeTolerance, at: design[plane.across] }));
   if (pool.sendOther("search", { numbers, box, field: searched().field })) best.take(null, searched());
   if (state.pinned) {
     const { numbers: others } = checkedJob(state.pinned.job, core);
@@ -137,7 +135,7 @@ function receive(answer) {
   } else if (answer.type === "trace") live = answer;
   else if (answer.type === "pinned") pinned = answer.trace;
   else if (answer.type === "values") stored.takeLive(answer.values);
-  else if (answer.type === "search") best.take(answer.maxima, searched());
+  else if (answer.type === "search") best.take(answer.maxima, searched(), answer.progress);
   else if (answer.type === "failed") fail(answer);
   redraw();
 }

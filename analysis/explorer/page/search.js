@@ -1,16 +1,24 @@
-// The search for the best designs: the maxima of a coarse lattice, refined by a pattern search.
+// The search for the best designs: climbs from the maxima of a coarse lattice.
 
+import { Climb } from "./climb.js";
+import { integratedMostly } from "./passes.js";
 import { axes, clamped } from "./space.js";
+import { ranks } from "./workers.js";
 
-/** Lattice points along an axis, maxima that are refined, and limits of the refinement. */
-const points = 15, candidates = 6, halvings = 13, rounds = 40;
+/** The time of the lattice, ms of one worker, and how many points it has along an axis. */
+const latticeTime = 1000, fewestPoints = 15, mostPoints = 30;
+const latticeTolerance = 1e-5, climbTolerance = 1e-7;
+/** How many climbs there are from each generation on; the worst ones end. */
+const climbers = [[0, 20], [10, 10], [20, 5]], generations = 50, shownEvery = 5;
+/** Relative: a rounded design whose value differs by less is as good. */
+const sameValue = 1e-7;
 
 function flat(designs) {
   return Float64Array.from(designs.flatMap(({ r1, r3, r2 }) => [r1, r3, r2]));
 }
 
-/** The designs of a coarse lattice of points^3 over the box, without those outside (null). */
-function coarseLattice(box) {
+/** The designs at the centres of points^3 cells of the box, without those outside (null). */
+function latticeOf(box, points) {
   const value = (axis, i) => {
     const { low, high } = box[axis];
     return low + ((i + 0.5) / points) * (high - low);
@@ -27,8 +35,8 @@ function coarseLattice(box) {
 
 const offsets = [-1, 0, 1].flatMap((i) => [-1, 0, 1].flatMap((j) => [-1, 0, 1].map((k) => [i, j, k])));
 
-/** The designs of a coarse lattice that no neighbour exceeds, best first, each once. */
-function coarseMaxima(box, lattice, values) {
+/** The designs of a lattice that no neighbour exceeds, best first, each once. */
+function latticeMaxima(box, points, lattice, values) {
   const worth = (i, j, k) => {
     const isInside = [i, j, k].every((x) => x >= 0 && x < points);
     const value = isInside ? values[(i * points + j) * points + k] : NaN;
@@ -41,19 +49,10 @@ function coarseMaxima(box, lattice, values) {
     if (value > -Infinity && offsets.every(([a, b, c]) => worth(i + a, j + b, k + c) <= value))
       maxima.push({ design, value });
   });
-  return distinct(box, maxima).slice(0, candidates); // an axis with a single value makes copies
+  return distinct(box, maxima); // an axis with a single value makes copies
 }
 
-/** The 27 designs around one, at distances of `step` times the box. */
-function around(box, design, step) {
-  return offsets.map((offset) => {
-    const moved = { ...design };
-    axes.forEach((axis, d) => { moved[axis] += offset[d] * step * (box[axis].high - box[axis].low); });
-    return clamped(box, moved);
-  });
-}
-
-/** Maxima without those closer to a better one than a hundredth of the box. */
+/** Maxima, best first, without those closer to a better one than a hundredth of the box. */
 function distinct(box, maxima) {
   const near = (a, b) => axes.every((axis) =>
     Math.abs(a.design[axis] - b.design[axis]) <= 0.01 * (box[axis].high - box[axis].low));
@@ -71,47 +70,61 @@ function rounded(box, design) {
   return { r1: length("r1"), r3, r2: Math.min(length("r2"), Number((box.reach - r3).toPrecision(12))) };
 }
 
+/** Rounded designs around one, at distances from 1e-6 of the box. */
+function around(box, design) {
+  return Array.from({ length: 7 }, (_, n) => 0.03 * 4 ** -n).flatMap((step) => offsets.map((offset) => {
+    const moved = { ...design };
+    axes.forEach((axis, d) => { moved[axis] += offset[d] * step * (box[axis].high - box[axis].low); });
+    return rounded(box, clamped(box, moved));
+  }));
+}
+
 /**
  * The maxima with rounded lengths and their values at a tight tolerance. Next to an edge, at which
  * the values jump, both can lead across it: the best of the rounded designs around replaces them.
  */
-async function settled(box, maxima, evaluate, tolerance) {
-  const distances = Array.from({ length: 7 }, (_, n) => (0.5 / points) * 4 ** -n);
-  const trials = maxima.map(({ design }) =>
-    [design, ...distances.flatMap((distance) => around(box, design, distance))].map((trial) => rounded(box, trial)));
-  const values = await evaluate(flat(trials.flat()), tolerance);
-  let next = 0;
-  return trials.map((designs) => designs.map((design) => ({ design, value: values[next++] }))
-    .reduce((best, trial) => (trial.value > best.value || Number.isNaN(best.value) ? trial : best)))
-    .filter(({ value }) => !Number.isNaN(value));
+async function settled(box, maxima, integrate) {
+  const evaluated = async (designs) => {
+    const { values } = await integrate(flat(designs));
+    return designs.map((design, i) => ({ design, value: values[i] }));
+  };
+  const rounds = await evaluated(maxima.map(({ design }) => rounded(box, design)));
+  const holds = ({ value }, i) => value >= maxima[i].value - sameValue * Math.abs(maxima[i].value);
+  const settling = await Promise.all(rounds.map(async (round, i) => (holds(round, i) ? round
+    : [round, ...await evaluated(around(box, maxima[i].design))].reduce((best, trial) =>
+      (trial.value > best.value || Number.isNaN(best.value) ? trial : best)))));
+  return distinct(box, settling.filter(({ value }) => !Number.isNaN(value)));
 }
 
 /**
- * The local maxima of a field over the box, best first, as {design, value}: rounded designs and their
- * values at `tolerance`. evaluate(designs, tolerance) resolves to the values of a flat array of
- * designs, NaN where there is none.
+ * Searches the box for the local maxima of a field, and calls show({maxima, progress}, isLast) with those
+ * known so far, best first, as {design, value}; at last, rounded designs and their values at the
+ * tolerance of traces. See passes.js for `integrateRanked`, whose defaults are those of traces, and isUnfinished.
  */
-export async function search(box, evaluate, tolerance) {
-  const lattice = coarseLattice(box);
-  const inside = lattice.filter((design) => design);
-  const found = await evaluate(flat(inside), 1e-5);
+export async function search(box, integrateRanked, isUnfinished, show) {
+  // In slow scenes, a search costs less than the finest pictures of the planes.
+  let rank = ranks.slowSearch;
+  const integrate = (designs, tolerance, steps) => integrateRanked(designs, tolerance, steps, rank);
+  const inside = (designs) => designs.filter((design) => design);
+  const sample = inside(latticeOf(box, 5));
+  const { steps, milliseconds } = await integratedMostly(flat(sample), integrate, isUnfinished);
+  const affordable = Math.floor(Math.cbrt(latticeTime * sample.length / milliseconds));
+  const points = Math.min(Math.max(affordable, fewestPoints), mostPoints);
+  if (points > fewestPoints) rank = ranks.search;
+  const lattice = latticeOf(box, points);
+  const { values } = await integrate(flat(inside(lattice)), latticeTolerance, steps);
   let next = 0;
-  let maxima = coarseMaxima(box, lattice, lattice.map((design) => (design ? found[next++] : NaN)));
-  let steps = maxima.map(() => 0.5 / points);
-  const last = 0.5 / points / 2 ** halvings;
-  for (let n = 0; n < rounds && steps.some((step) => step > last); ++n) {
-    const trials = maxima.map(({ design }, m) => around(box, design, steps[m]));
-    const values = await evaluate(flat(trials.flat()), 1e-7);
-    maxima = maxima.map((maximum, m) => {
-      let best = { ...maximum, value: values[27 * m + 13] };
-      if (Number.isNaN(best.value)) best.value = -Infinity;
-      const centre = best;
-      trials[m].forEach((design, i) => {
-        if (values[27 * m + i] > best.value) best = { design, value: values[27 * m + i] };
-      });
-      if (best === centre) steps[m] /= 2;
-      return best;
-    });
+  const maxima = latticeMaxima(box, points, lattice, lattice.map((design) => (design ? values[next++] : NaN)));
+  let climbs = maxima.slice(0, climbers[0][1]).map((maximum) => new Climb(box, maximum, 0.5 / points));
+  const found = () => distinct(box, climbs.map(({ best }) => best));
+  for (let n = 0; n < generations; ++n) {
+    const count = climbers.findLast(([first]) => n >= first)[1];
+    climbs = climbs.sort((a, b) => b.best.value - a.best.value).slice(0, count);
+    if (n % shownEvery === 0) show({ maxima: found(), progress: n / generations }, false);
+    const designs = climbs.map((climb) => climb.generation());
+    const trials = await integrate(flat(designs.flat()), climbTolerance, steps);
+    let first = 0;
+    climbs.forEach((climb, i) => climb.take(trials.values.subarray(first, first += designs[i].length)));
   }
-  return distinct(box, await settled(box, distinct(box, maxima), evaluate, tolerance));
+  show({ maxima: await settled(box, found(), integrate), progress: 1 }, true);
 }

@@ -117,7 +117,7 @@ class Swings {
   /// Extends the records and the best moments of all lanes by a step, if they are needed; refill()
   /// resets those of swings that have ended.
   void follow(const Instant& from, const Instant& to, const T& h) {
-    if (rule_.chooses()) search(from, to, h);
+    if (rule_.chooses() && (active_ & ~sliding_lanes()) != 0) search(from, to, h);
     if constexpr (has_fields<T>)
       if (request_.steps()) record(from, to, h);
   }

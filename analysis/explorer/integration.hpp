@@ -1,0 +1,55 @@
+#pragma once
+
+#include <vector>
+
+#include "job_keys.hpp"
+#include "trebsweep/swing/integrate_packs.hpp"
+
+namespace trebsweep::explorer {
+
+/// One register per number: SIMD128 has sixteen, as many as a step needs for its temporaries.
+using Number = Pack<1>;
+
+template <Effects E>
+using Moment = Instant<Number, E>;
+
+template <Effects E>
+struct Step {
+  Moment<E> from, to;
+};
+
+/// An observer that collects the steps of a single design, if they are wanted.
+template <Effects E>
+struct Recorder {
+  std::vector<Step<E>>* steps;
+
+  void operator()(const Moment<E>& from, const Moment<E>& to) const {
+    if (steps != nullptr) steps->push_back({from, to});
+  }
+};
+
+/// AnyStepper keeps the module small: a step is compiled once, not in each place that takes one.
+template <Effects E>
+auto make_stepper() {
+  return any_stepper<Number, E, Vern8<Number, E>>(solver);
+}
+
+/// Calls f.operator()<Effects>() with the effects of the scene. Friction of the pivot, possibly
+/// zero, is always among them, which halves the module.
+template <class F>
+void with_compiled_effects(F f) {
+  Scene with_friction = scene;
+  with_friction.pivot_viscosity = 1;
+  with_effects(with_friction, [&]<Effects E>() {
+    if constexpr (E.pivot) f.template operator()<E>();
+  });
+}
+
+/// Integrates a batch by the job; `steps`, if not null, receives those of a single design.
+template <Effects E>
+void integrate_batch(const Batch& batch, std::vector<Step<E>>* steps) {
+  auto stepper = make_stepper<E>();
+  integrate_by<Number, E>(stepper, scene, solver, batch, Recorder<E>{steps});
+}
+
+}  // namespace trebsweep::explorer
