@@ -2,6 +2,18 @@
 
 import random
 
+# A mistake of each kind in the fields. Rules between keys are found at the key that is given here last.
+MISTAKES = [
+    {"scene.counterweight-mass": "-1"}, {"scene.gravity": "0"}, {"scene.projectile-mass": "heavy"},
+    {"scene.sling-angle": "4"}, {"scene.start-angle": "3.2"}, {"scene.wind": "2000"}, {"scene.beam-side": "-0.1"},
+    {"solver.release-angle": "7"}, {"solver.max-time": "0"}, {"scene.release-height": "6"},
+    {"scene.counterweight-hanger": "1.6"}, {"lattice.shortest-sling": "2"}, {"lattice.increment": "3"},
+    {"lattice.r1": "1:2"}, {"lattice.r3": "0.3:0.95:0.1"}, {"lattice.r2": "2:1:0.1"},
+    {"solver.release": "pin", "solver.pin-angle": ""}, {"solver.release": "window"}, {"scene.beam-mass": "500"},
+    {"scene.sling-damping": "5"},
+    {"scene.counterweight-hanger": "0.2", "scene.sling-stiffness": "1e5"},
+]
+
 # Job files with a mistake each.
 WRONG_FILES = [
     # Syntax.
@@ -77,6 +89,37 @@ repeats = 3
 target-error = 1e-4
 lattice-seconds = 0
 """
+
+
+def random_jobs(count):
+    """Jobs of random scenes and designs, as {key: text} and {axis: m}; each effect is in some of them."""
+    pick = random.Random(19)
+    number = lambda low, high: f"{pick.uniform(low, high):.4g}"  # noqa: E731
+    for n in range(count):
+        job = {"scene.counterweight-mass": number(1000, 9000), "scene.projectile-mass": number(20, 200),
+               "scene.beam-side": number(0.05, 0.2), "scene.beam-inertia": pick.choice(["slender", "prism"])}
+        design = {"r1": number(0.6, 1.0), "r3": number(0.4, 0.9), "r2": number(0.5, 1.2)}
+        if n % 2 == 0:
+            job["scene.counterweight-hanger"] = number(0.1, 0.4)
+            job["scene.start-angle"] = number(0.4, 1.2)
+        if n % 3 == 0:
+            job.update({"scene.trough": "yes", "scene.start-angle": number(0.5, 1.0)})
+            design["r3"], design["r2"] = number(1.2, 1.6), number(1.3, 2.0)
+        elif n % 4 == 1:
+            job.update({"scene.sling-stiffness": number(1e5, 5e5), "scene.sling-damping": number(0, 500)})
+        if n % 5 < 2:
+            job.update({"solver.release": "pin", "solver.pin-angle": number(0.2, 0.8)})
+        elif n % 5 == 2:
+            job["solver.release"] = "fastest"
+        elif n % 5 == 3:
+            job["solver.release"] = "farthest"
+        if n % 4 < 2:
+            job["scene.pivot-friction"] = number(0, 500)
+            job["scene.pivot-viscosity"] = number(0, 50)
+        if n % 3 < 2:
+            job["scene.projectile-diameter"] = number(0.1, 0.4)
+            job["scene.wind"] = number(-8, 8)
+        yield job, design
 
 
 def random_lattices(count):
