@@ -7,7 +7,7 @@ import { ranks, Workers } from "./workers.js";
 /** Answers that are shown even if they are no longer to the last request. */
 const shownLate = ["trace", "plane"];
 const traceTolerance = 1e-12, traceSteps = 50000;
-/** A looser tolerance: the difference bounds the error of the speed. */
+/** A looser tolerance: the difference of the speeds is an estimate of their error. */
 const checkTolerance = 1e-10;
 
 export class Pool {
