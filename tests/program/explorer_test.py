@@ -100,6 +100,21 @@ class Numbers(PageTest):
         self.assertEqual(best, sorted(best))
         self.assertTrue(texts[-1].startswith("Go to the best speed found: "))
 
+    def test_a_worker_that_cannot_start_leaves_its_share_to_the_others(self):
+        added = self.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": """
+            const post = Worker.prototype.postMessage;
+            let broken = null;
+            Worker.prototype.postMessage = function (message) {
+              broken ??= this;
+              if (this === broken) setTimeout(() => this.onerror({ message: "out of memory" }));
+              else post.call(this, message);
+            };"""})
+        try:
+            self.open()
+        finally:
+            self.browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
+        self.assertAlmostEqual(self.number("speed"), OPTIMUM, delta=TOLERANCE)
+
     def test_a_computation_that_fails_is_reported_and_the_page_goes_on(self):
         self.open()
         before = self.picture("plane.0")

@@ -59,6 +59,7 @@ export class Pool {
     try {
       await this.#compute(request);
     } catch (error) {
+      if (!request.isLive) throw error; // by the page, which has the last answer
       this.#answer(request, { type: "failed", failed: request.type, message: error.message });
     }
   }
