@@ -12,8 +12,8 @@ LARGEST_COUNT = 150  # values kept along an axis; a finer lattice is thinned out
 
 def stored_planes(path, at):
     """What stored.js shows of an archive, of a study the scene that `at` selects: name, job, field,
-    design (m), progress (a text, empty if complete), an object {first, step, count} for each axis, and planes: by the axis that is
-    constant, base64 of gzipped 32-bit floats."""
+    design (m), progress (a text, empty if complete), an object {first, step, count} for each axis, and planes: by the
+    axis that is constant, base64 of gzipped 32-bit floats."""
     archive = Archive(path).scene(at)
     optimum = archive.optimum()
     if optimum is None:

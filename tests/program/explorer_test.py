@@ -70,6 +70,10 @@ class Numbers(PageTest):
         for axis, length in self.design().items():
             self.assertAlmostEqual(length, found[axis], delta=1e-3)
 
+    def test_the_best_design_is_found_among_slings_that_are_mostly_too_long(self):
+        self.open({"lattice.r3": "0.3:100:0.1"})
+        self.assertIn("found: 16.9529 m/s", self.text("best"))
+
     def test_the_best_design_next_to_an_edge_keeps_its_value(self):
         self.open()
         self.type("preset", "siege")
@@ -95,6 +99,21 @@ class Numbers(PageTest):
         self.assertGreater(len(best), 2)
         self.assertEqual(best, sorted(best))
         self.assertTrue(texts[-1].startswith("Go to the best speed found: "))
+
+    def test_a_worker_that_cannot_start_leaves_its_share_to_the_others(self):
+        added = self.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": """
+            const post = Worker.prototype.postMessage;
+            let broken = null;
+            Worker.prototype.postMessage = function (message) {
+              broken ??= this;
+              if (this === broken) setTimeout(() => this.onerror({ message: "out of memory" }));
+              else post.call(this, message);
+            };"""})
+        try:
+            self.open()
+        finally:
+            self.browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
+        self.assertAlmostEqual(self.number("speed"), OPTIMUM, delta=TOLERANCE)
 
     def test_a_computation_that_fails_is_reported_and_the_page_goes_on(self):
         self.open()
@@ -495,6 +514,25 @@ class Controls(PageTest):
         self.assertEqual(self.text("pinned.peak-hanger-tension"), "–")
         self.assertGreater(self.number("peak-hanger-tension"), 0)
 
+    def test_a_machine_without_hanger_has_no_curves_of_one_where_it_is_pinned(self):
+        self.open({"scene.counterweight-hanger": "0.4", "scene.start-angle": "0.8"})
+        self.find("pin").click()
+        self.type("preset", "paper")
+        self.wait_for_pictures()
+        longest = self.script("""
+            const { width, height } = plots, pixels = plots.getContext("2d").getImageData(0, 0, width, height).data;
+            const isThird = (n) => [148, 106, 0].every((x, i) => pixels[4 * n + i] === x);
+            const row = (y) => Array.from({ length: width }, (_, x) => isThird(y * width + x));
+            return Math.max(...Array.from({ length: height }, (_, y) => row(y).filter((is) => is).length));""")
+        self.assertTrue(0 < longest < 60, longest)  # a curve of zeros is a horizontal line
+
+    def test_a_slider_tells_the_lengths_of_a_narrow_lattice_apart(self):
+        self.open({"lattice.r1": "1.2001:1.2005:0.0001"}, {"r1": "1.2002", "r3": "0.5", "r2": "0.5"})
+        self.script("const s = document.getElementById('design.r1.slider'); s.value = 700; s.oninput()")
+        self.wait_for_pictures()
+        self.assertAlmostEqual(self.design()["r1"], 1.20038, delta=1e-6)
+        self.assertEqual(self.text("outside"), "")
+
     def test_a_slider_moves_planes_readouts_and_machine(self):
         self.open()
         before, speed = self.pictures(), self.number("speed")
@@ -526,6 +564,21 @@ class Controls(PageTest):
         self.find("lock").click()
         self.wait_for_pictures()
         self.assertNotEqual(self.script(limits), before)
+
+    def test_a_locked_scale_of_close_limits_survives_reloading(self):
+        narrow = {"lattice.r1": "0.51:0.510002:1e-6", "lattice.r3": "0.58:0.580002:1e-6",
+                  "lattice.r2": "0.91:0.910002:1e-6"}
+        self.open(narrow)
+        label = self.find("scale").get_attribute("aria-label")
+        low, high = re.search(r"from (\S+) to (\S+)", label).groups()
+        self.assertNotEqual(low, high)
+        self.find("lock").click()
+        self.wait(lambda: "scale=" in self.script("return location.hash"))
+        limits = self.script("return document.getElementById('scale').dataset.limits")
+        self.browser.refresh()
+        self.wait(lambda: self.text("readout.status"))
+        self.wait_for_pictures()
+        self.assertEqual(self.script("return document.getElementById('scale').dataset.limits"), limits)
 
     def test_statuses_have_a_legend_instead_of_a_scale(self):
         self.open()

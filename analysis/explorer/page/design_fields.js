@@ -35,7 +35,8 @@ export class DesignFields {
   #lengthAt(axis, position) {
     const { low, high } = this.ranges[axis];
     const x = low + (position / resolution) * (high - low);
-    return Number(Math.max(x, 1e-3 * high).toPrecision(3));
+    const digits = Math.ceil(Math.log10(resolution * high / (high - low))); // tell positions apart
+    return Number(Math.max(x, 1e-3 * high).toPrecision(digits));
   }
 
   /** Shows what is wrong with a field, or nothing. */

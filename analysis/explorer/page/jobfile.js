@@ -128,7 +128,7 @@ export function toFragment({ job, design, field, locked, pinned, origin }) {
   put("", job, design);
   parameters.set("field", field);
   parameters.set("from", origin);
-  if (locked) parameters.set("scale", locked.map((x) => x.toPrecision(6)).join(":"));
+  if (locked) parameters.set("scale", locked.join(":"));
   if (pinned) put("pinned.", pinned.job, pinned.design);
   return parameters.toString();
 }

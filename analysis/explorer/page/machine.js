@@ -45,10 +45,10 @@ export function drawMachine(canvas, traces, t) {
   const colours = theme();
   const shown = traces.filter((trace) => trace && trace.rows.t.length);
   if (!shown.length) return;
-  const [{ rows, scene }] = shown;
+  const [{ scene }] = shown;
   const ground = -scene.fulcrumHeight;
-  const horizontal = limitsOf([rows.x1, rows.xh, rows.xt, rows.x3, [0]]);
-  const vertical = limitsOf([rows.y1, rows.yh, rows.yt, rows.y3, [0, ground]]);
+  const horizontal = limitsOf([...shown.flatMap(({ rows }) => [rows.x1, rows.xh, rows.xt, rows.x3]), [0]]);
+  const vertical = limitsOf([...shown.flatMap(({ rows }) => [rows.y1, rows.yh, rows.yt, rows.y3]), [0, ground]]);
   const { scale, point } = mapping(frame, horizontal, vertical, 22);
 
   const level = point(0, ground)[1];

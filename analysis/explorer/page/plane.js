@@ -278,7 +278,7 @@ function axisTitle(context, axis, length) {
 /** The colour scale below the planes: the quantity with its unit, and the colours with their values. */
 export function drawScale(canvas, limits, quantity) {
   const { context, width } = prepared(canvas);
-  const title = titleOf(quantity), text = (value) => valueText(quantity, value, 4);
+  const title = titleOf(quantity), text = (value, digits) => valueText(quantity, value, digits);
   const [low, high] = limits;
   const left = Math.ceil(context.measureText(title).width) + 30, right = width - 24;
   for (let x = left; x < right; ++x) {
@@ -292,6 +292,6 @@ export function drawScale(canvas, limits, quantity) {
   context.fillText(title, 6, 2);
   context.textAlign = "center";
   for (const tick of ticks(low, high, Math.max((right - left) / 60, 2)))
-    context.fillText(text(tick), left + ((tick - low) / (high - low || 1)) * (right - left), 17);
-  canvas.setAttribute("aria-label", `colour scale: ${title}, from ${text(low)} to ${text(high)}`);
+    context.fillText(text(tick, 12), left + ((tick - low) / (high - low || 1)) * (right - left), 17);
+  canvas.setAttribute("aria-label", `colour scale: ${title}, from ${text(low, 8)} to ${text(high, 8)}`);
 }

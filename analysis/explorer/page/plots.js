@@ -57,8 +57,9 @@ function drawPlot(context, { title, curves, factor = 1 }, traces, t, colours, fr
   context.textAlign = "left";
   context.fillText(title, titleLeft, top - 5);
   let at = titleLeft + context.measureText(title).width + 14;
-  used.forEach(({ column, label }, i) => {
-    for (const trace of traces)
+  used.forEach((curve, i) => {
+    const { column, label } = curve;
+    for (const trace of traces.filter(({ scene }) => !curve.if || curve.if(scene)))
       line(context, Array.from(trace.rows.t, (time, k) => [x(time), y(trace.rows[column][k] * factor)]),
            { colour: palette[i], width: trace === first ? 1.8 : 1, dash: trace === first ? [] : [3, 4] });
     context.fillStyle = palette[i];

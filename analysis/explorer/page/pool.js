@@ -7,7 +7,7 @@ import { ranks, Workers } from "./workers.js";
 /** Answers that are shown even if they are no longer to the last request. */
 const shownLate = ["trace", "plane"];
 const traceTolerance = 1e-12, traceSteps = 50000;
-/** A looser tolerance: the difference bounds the error of the speed. */
+/** A looser tolerance: the difference of the speeds is an estimate of their error. */
 const checkTolerance = 1e-10;
 
 export class Pool {
@@ -59,6 +59,7 @@ export class Pool {
     try {
       await this.#compute(request);
     } catch (error) {
+      if (!request.isLive) throw error; // by the page, which has the last answer
       this.#answer(request, { type: "failed", failed: request.type, message: error.message });
     }
   }

@@ -17,6 +17,11 @@ function flat(designs) {
   return Float64Array.from(designs.flatMap(({ r1, r3, r2 }) => [r1, r3, r2]));
 }
 
+/** A box without slings that are too long for any throwing arm, which explicit axes may contain. */
+function withUsableSlings(box) {
+  return { ...box, r3: { ...box.r3, high: Math.min(box.r3.high, box.reach - box.r2.low) } };
+}
+
 /** The designs at the centres of points^3 cells of the box, without those outside (null). */
 function latticeOf(box, points) {
   const value = (axis, i) => {
@@ -97,11 +102,12 @@ async function settled(box, maxima, integrate) {
 }
 
 /**
- * Searches the box for the local maxima of a field, and calls show({maxima, progress}, isLast) with those
+ * Searches the bounds for the local maxima of a field, and calls show({maxima, progress}, isLast) with those
  * known so far, best first, as {design, value}; at last, rounded designs and their values at the
  * tolerance of traces. See passes.js for `integrateRanked`, whose defaults are those of traces, and isUnfinished.
  */
-export async function search(box, integrateRanked, isUnfinished, show) {
+export async function search(bounds, integrateRanked, isUnfinished, show) {
+  const box = withUsableSlings(bounds);
   // In slow scenes, a search costs less than the finest pictures of the planes.
   let rank = ranks.slowSearch;
   const integrate = (designs, tolerance, steps) => integrateRanked(designs, tolerance, steps, rank);

@@ -67,14 +67,19 @@ export class Workers {
   /** Starts the workers of a script's address; ready(core) when each has started, fail(message) if one cannot. */
   constructor(address, module, ready, fail) {
     this.tasks = [];
-    const length = Math.min(Math.max(navigator.hardwareConcurrency ?? fewest, fewest), most);
-    this.workers = Array.from({ length }, () => {
+    this.workers = []; // those that have started
+    const count = Math.min(Math.max(navigator.hardwareConcurrency ?? fewest, fewest), most);
+    for (let n = 0; n < count; ++n) {
       const worker = { port: new Worker(address), sent: [] };
-      worker.port.onmessage = ({ data }) => (data.core ? ready(data.core) : this.#take(worker, data));
+      const start = (core) => {
+        this.workers.push(worker);
+        ready(core);
+        this.#send();
+      };
+      worker.port.onmessage = ({ data }) => (data.core ? start(data.core) : this.#take(worker, data));
       worker.port.onerror = (event) => fail(event.message);
       worker.port.postMessage({ type: "start", module });
-      return worker;
-    });
+    }
   }
 
   /**
@@ -121,7 +126,7 @@ export class Workers {
 
   #take({ sent }, result) {
     const piece = sent.shift(), { task } = piece;
-    if (result.failure) task.reject(new Error(result.failure));
+    if (result.failure && task.owner.isLive) task.reject(new Error(result.failure));
     const found = result.failure ? null : task.take(result, piece);
     this.#send();
     if (found && task.owner.isLive) task.resolve(found);
