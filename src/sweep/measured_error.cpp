@@ -234,10 +234,16 @@ std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
     }
   };
   const std::size_t spread = sample_size(lattice, job);
-  add(sample_indices(lattice, spread), false, hurried);
+  std::vector<Index3> sampled = sample_indices(lattice, spread);
+  const auto notable = notable_indices(optimum, summary, scene, lattice);
+  const auto others = std::ranges::partition(sampled, [&](const Index3& index) {
+    return std::ranges::find(notable, index) != notable.end();
+  });
+  // Notable designs are few: measured however long they take.
+  add({sampled.begin(), others.begin()}, true, patient);
+  add({others.begin(), others.end()}, false, hurried);
   sample.spread = sample.checks.size();
-  // Few: measured however long they take.
-  add(notable_indices(optimum, summary, scene, lattice), true, patient);
+  add(notable, true, patient);
   for (const double fraction : {1.0 / 8, 1.0 / 16}) {
     // fmax(NaN, x) is x.
     const auto worst = std::max_element(sample.checks.begin(), sample.checks.end(),

@@ -61,6 +61,13 @@ TEST_CASE("An axis with a single value has no edge to warn of") {
   CHECK(warnings_of(job).empty());
 }
 
+TEST_CASE("A slack sling at the optimum is reported also where the error is measured everywhere") {
+  Job job = coarse_job();
+  job.scene.sling_angle = 1.5;
+  job.lattice.r1 = AxisRange{0.6, 0.6, 1};
+  CHECK(count(warnings_of(job), "a sling that would go slack") == 1);
+}
+
 TEST_CASE("A lattice without a release has no warnings") {
   Job job = coarse_job();
   job.scene.pivot_friction = 1e9;
