@@ -47,7 +47,7 @@ struct Measured {
 
 Measured measure(const Job& job, const Results& all, MPI_Comm comm = MPI_COMM_WORLD) {
   const Summary summary = summary_of(job, all);
-  const auto sample = check_scene(Study(job), 0, summary.optimum, summary, 1, never, comm);
+  const auto sample = check_scene(Study(job), 0, summary.optimum, summary, 60, never, comm);
   REQUIRE(sample);
   return {sample->checks, measured_error({&*sample, 1}, 0)};
 }
@@ -236,5 +236,5 @@ TEST_CASE("No error is returned once any rank is stopped") {
   const Job job = medium_job();
   const Summary summary = summary_of(job, integrate_all(job));
   const auto stopped = [] { return mpi::rank(MPI_COMM_WORLD) == 0; };
-  CHECK_FALSE(check_scene(Study(job), 0, summary.optimum, summary, 1, stopped, MPI_COMM_WORLD));
+  CHECK_FALSE(check_scene(Study(job), 0, summary.optimum, summary, 60, stopped, MPI_COMM_WORLD));
 }

@@ -26,7 +26,7 @@ std::vector<std::string> warnings_of(const Job& job) {
   }
   const auto never = [] { return false; };
   const auto sample =
-      check_scene(Study(job), 0, summary.optimum, summary, 1, never, MPI_COMM_WORLD);
+      check_scene(Study(job), 0, summary.optimum, summary, 60, never, MPI_COMM_WORLD);
   return warnings(job, lattice, summary.optimum, measured_error({&*sample, 1}, 0), sample->checks);
 }
 
