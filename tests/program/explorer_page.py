@@ -140,7 +140,7 @@ class PageTest(DirectoryTest):
     def open_file(self, name, text):
         """Opens a job file on the page, and waits until the page has taken or refused it."""
         self.find("file").send_keys(self.write(name, text))
-        self.wait(lambda: self.text("own") == name or self.text("notice").startswith(f"{name}: "))
+        self.wait(lambda: self.find("preset").get_property("value") == name or self.text("notice").startswith(f"{name}: "))
 
     def refusal(self, name, *options):
         """The message with which the program refuses a job file, without the name of the file."""

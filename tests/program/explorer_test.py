@@ -86,6 +86,29 @@ class Numbers(PageTest):
         self.assertGreater(promised, 500)
         self.assertAlmostEqual(self.number("range"), promised, delta=1e-3)
 
+    def test_the_best_design_is_no_worse_than_those_on_the_page(self):
+        stiff = {"scene.sling-stiffness": "1e8"}, {"r1": "0.5114", "r3": "0.5834", "r2": "0.9165"}
+        sparse = {"lattice.r3": "0.001:1000:0.001"}, {}
+        for job, design in (stiff, sparse):
+            with self.subTest(job=job):
+                self.open(job, design)
+                promised = float(re.search(r": (\S+) m/s$", self.text("best"))[1])
+                self.assertGreater(promised * (1 + 1e-5), self.number("speed"))
+                self.find("best").click()
+                self.wait_for_pictures()
+                self.assertAlmostEqual(self.number("speed"), promised, delta=1e-4)
+
+    def test_the_edge_on_which_the_best_design_lies_is_named(self):
+        self.open()
+        self.assertEqual(self.text("edge"), "The best design found is on the edge of the lattice: r2 + r3 = 1.5 m (49).")
+
+    def test_a_sling_that_pushes_is_named(self):
+        self.open()
+        self.assertEqual(self.text("reason"), "")
+        self.open({}, {"r1": "0.55", "r3": "1.05", "r2": "0.25"})
+        self.assertLess(self.number("least-sling-tension"), 0)
+        self.assertIn("would go slack", self.text("reason"))
+
     def test_the_best_so_far_is_shown_while_the_search_continues(self):
         self.open()
         self.script("window.texts = []; const best = document.getElementById('best');"
@@ -180,6 +203,11 @@ class Numbers(PageTest):
         self.type("field", "speed")
         self.wait_for_pictures()
         self.save_picture(name.replace(".h5", ".png"))
+        own = self.find("preset").get_property("value")
+        self.type("preset", "wood")
+        self.type("preset", own)  # the archive's scene and optimum
+        self.assertEqual(self.find("scene.projectile-mass").get_property("value"), mass)
+        self.assertNotEqual(self.design()["r2"], 0.7)
 
 
 class Jobs(PageTest):
@@ -345,11 +373,36 @@ class Jobs(PageTest):
         self.open_file("hung.cfg", "[scene]\ncounterweight-hanger = 0.2\n[output]\nfields = peak-hanger-tension\n")
         self.assertIn("fields = peak-hanger-tension", self.copied_job())
         self.type("scene.counterweight-hanger", "0")
-        self.assertEqual(self.text("notice"),
+        self.assertEqual(self.text("left"),
                          "Left out of the job: output.fields = peak-hanger-tension: must be left out unless "
                          "scene.counterweight-hanger is above 0: there is no hanger")
         self.assertFalse(self.find("mistake").is_displayed())
         self.assertNotIn("fields", self.copied_job())
+        self.type("scene.counterweight-hanger", "0.3")
+        self.assertEqual(self.text("left"), "")
+        self.assertIn("fields = peak-hanger-tension", self.copied_job())
+
+    def test_a_quantity_returns_with_its_hanger(self):
+        self.open({"scene.counterweight-hanger": "0.2"}, field="peak-hanger-tension")
+        chosen = lambda: self.find("field").get_property("value")  # noqa: E731
+        for hanger, field in (("0", "speed"), ("0.3", "peak-hanger-tension")):
+            self.type("scene.counterweight-hanger", hanger)
+            self.wait_for_pictures()
+            self.assertEqual(chosen(), field)
+
+    def test_a_reload_right_after_an_edit_keeps_it(self):
+        self.open()
+        self.type("scene.gravity", "5")
+        self.browser.refresh()
+        self.wait(lambda: self.text("readout.status"))
+        self.assertEqual(self.find("scene.gravity").get_property("value"), "5")
+
+    def test_an_opened_file_stays_in_the_list_of_scenes(self):
+        self.open()
+        self.open_file("own.cfg", "[scene]\nprojectile-mass = 77\n")
+        self.type("preset", "siege")
+        self.type("preset", "own.cfg")
+        self.assertEqual(self.find("scene.projectile-mass").get_property("value"), "77")
 
     def test_a_preset_is_no_longer_named_after_an_edit(self):
         self.open()

@@ -31,17 +31,17 @@ export class Animation {
     this.isPlaying = on;
     this.last = null;
     at("play").textContent = on ? "Pause" : "Play";
-    if (on) requestAnimationFrame((now) => this.#step(now));
+    cancelAnimationFrame(this.frame);
+    if (on) this.frame = requestAnimationFrame((now) => this.#step(now));
   }
 
   #step(now) {
-    if (!this.isPlaying) return;
     const seconds = this.last === null ? 0 : Math.min((now - this.last) / 1000, 0.1);
     this.last = now;
     this.time += seconds * Number(at("pace").value);
     if (this.time > this.#end() + 0.4) this.time = 0; // a moment on the ground
     this.#draw();
-    requestAnimationFrame((next) => this.#step(next));
+    this.frame = requestAnimationFrame((next) => this.#step(next));
   }
 
   #draw() {

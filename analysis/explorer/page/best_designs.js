@@ -18,7 +18,7 @@ export class BestDesigns {
 
   /** Takes the designs, best first, as {design, value}; null: none is known yet. The search ends at progress 1. */
   take(maxima, quantity, progress = 1) {
-    this.maxima = maxima;
+    Object.assign(this, { maxima, quantity });
     const text = ({ value }) => `${valueText(quantity, value, 6)} ${quantity.unit}`;
     const [best] = maxima ?? [];
     this.isSearching = !maxima || progress < 1;
@@ -35,6 +35,18 @@ export class BestDesigns {
       return button;
     }));
     if (this.isAwaited && best && !this.isSearching) this.#arrive();
+  }
+
+  /** Takes a design that the search has missed, if it is better than those found. */
+  offer(trial) {
+    if (this.isSearching || !this.isMissed(trial.value)) return;
+    this.take([trial, ...this.maxima], this.quantity);
+  }
+
+  /** Whether a value is larger than that of the best design, by more than rounding. */
+  isMissed(value) {
+    const best = this.maxima[0]?.value ?? -Infinity;
+    return value > best && !(value - best <= 1e-6 * Math.abs(best));
   }
 
   /** Moves the crosshair to the best design as soon as it is known. */

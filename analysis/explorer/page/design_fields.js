@@ -1,6 +1,6 @@
 // The three lengths of the design, as fields and sliders.
 
-import { isLength, parseNumber } from "./numbers.js";
+import { isLength, lengthText, parseNumber } from "./numbers.js";
 import { axes, axisNames, windowOf } from "./space.js";
 import { onSlide } from "./touch.js";
 
@@ -24,7 +24,7 @@ export class DesignFields {
       const [input, slider] = row.querySelectorAll("input");
       input.oninput = () => {
         const x = parseNumber(input.value);
-        this.#report(axis, isLength(x) ? "" : "must be a number above 0, from 1e-12 to 1e+12");
+        this.#report(axis, isLength(x) ? "" : `must be ${lengthText}`);
         if (isLength(x)) change({ [axis]: x });
       };
       onSlide(slider, () => change({ [axis]: this.#lengthAt(axis, slider.value) }));

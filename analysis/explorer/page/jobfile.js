@@ -2,7 +2,7 @@
 
 import { InputError, shortened } from "./input_error.js";
 import { keyByName, sections } from "./keys.js";
-import { isLength } from "./numbers.js";
+import { isLength, lengthText } from "./numbers.js";
 import { axes } from "./space.js";
 import { firstScene } from "./study.js";
 
@@ -136,16 +136,21 @@ export function toFragment({ job, design, field, locked, pinned, origin }) {
 /** The design that the page starts with: the optimum of the paper's lattice. */
 export const firstDesign = { r1: 0.51, r3: 0.58, r2: 0.91 };
 
-/** The state of a fragment, with defaults where it lacks something; `isGiven`: whether it has a job or a design. */
+/**
+ * The state of a fragment, with defaults where it lacks something; `isGiven`: whether it has a job or a design;
+ * `mistakes`: what is wrong with its lengths.
+ */
 export function fromFragment(fragment) {
-  const parameters = new URLSearchParams(fragment);
+  const parameters = new URLSearchParams(fragment), mistakes = [];
   const get = (prefix) => {
     const job = {}, design = {};
     for (const [name, value] of parameters) {
       if (!name.startsWith(prefix)) continue;
       const key = name.slice(prefix.length);
       if (keyByName.has(key)) job[key] = value;
-      if (axes.includes(key) && isLength(Number(value))) design[key] = Number(value);
+      if (!axes.includes(key)) continue;
+      if (isLength(Number(value))) design[key] = Number(value);
+      else mistakes.push(`${shortened(name)} = ${shortened(value)}: must be ${lengthText}`);
     }
     const isGiven = Object.keys({ ...job, ...design }).length > 0;
     return isGiven ? { job, design: { ...firstDesign, ...design } } : null;
@@ -155,6 +160,6 @@ export function fromFragment(fragment) {
   const isScale = scale.length === 2 && scale.every(Number.isFinite) && scale[0] < scale[1];
   return {
     ...(given ?? { job: {}, design: firstDesign }), isGiven: given !== null, field: parameters.get("field"),
-    locked: isScale ? scale : null, pinned: get("pinned."), origin: parameters.get("from") ?? "paper",
+    locked: isScale ? scale : null, pinned: get("pinned."), mistakes, origin: parameters.get("from") ?? "paper",
   };
 }

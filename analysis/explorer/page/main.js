@@ -15,10 +15,10 @@ import { machineOf } from "./machine.js";
 import { drawScale, PlaneView } from "./plane.js";
 import { Pool } from "./pool.js";
 import { has, quantities, quantityOf } from "./quantities.js";
-import { showReadouts } from "./readouts.js";
+import { showHeadline, showReadouts } from "./readouts.js";
 import { Presets } from "./presets.js";
 import { checkedJob, mended } from "./rules.js";
-import { axes, clamped, isInside, moved, outsideText, planes } from "./space.js";
+import { axes, clamped, edgeText, isInside, moved, outsideText, planes } from "./space.js";
 import { StoredPlanes } from "./stored.js";
 
 const data = JSON.parse(document.getElementById("data").textContent);
@@ -26,9 +26,12 @@ const at = (id) => document.getElementById(id);
 
 const planeTolerance = 1e-7;
 
-/** `origin`: the preset or file from which the job comes. */
+/**
+ * `field`: the quantity chosen, and `aim`, the last one of which the best designs are searched for: of loads and
+ * rates, the largest is no aim. `origin`: the preset or file from which the job comes.
+ */
 const state = {
-  job: {}, design: firstDesign, field: "speed", locked: null, pinned: null, origin: "paper",
+  job: {}, design: firstDesign, field: "speed", aim: "speed", locked: null, pinned: null, origin: "paper",
 };
 /** Known from the core, once it has started. */
 let core = null;
@@ -42,36 +45,32 @@ function update(change) {
   Object.assign(state, change);
   if (change.job) showOrigin();
   if (change.design) best.isAwaited = false;
-  let mistake = null;
+  let mistake = null, left = [];
   try {
-    valid = { ...checkedJob(state.job, core), job: state.job };
+    // An output of a hanger, for example, without a hanger: the page has no field in which to mend it.
+    const { job, checked, mistakes } = mended(state.job, core, (key) => !keys.some(({ name }) => name === key));
+    valid = { ...checked, job };
+    left = mistakes;
   } catch (error) {
     if (!(error instanceof InputError)) throw error;
-    if (leaveOut(error)) return;
     mistake = error;
   }
   at("planes").dataset.lattice = JSON.stringify(axes.map((axis) => valid.box[axis]));
   controls.show(state.job, valid);
   controls.report(mistake);
+  at("left").textContent = left.length ? `Left out of the job: ${left.join("; ")}` : "";
   at("mistake").hidden = mistake === null;
   at("mistake.text").textContent = mistake?.message ?? "";
   at("mistake.show").onclick = () => at(mistake.key).focus();
-  if (!has(quantityOf.get(state.field), valid.numbers)) Object.assign(state, { field: "speed", locked: null });
+  if (quantityOf.get(shownField()).searched) state.aim = shownField();
   ask();
   remember();
   redraw();
 }
 
-/**
- * Leaves out a key without a control that no longer suits the scene, such as an output of a hanger that
- * is removed. Returns whether it has done so.
- */
-function leaveOut({ key, message }) {
-  if (!(key in state.job) || keys.some(({ name }) => name === key)) return false;
-  const { [key]: _, ...job } = state.job;
-  update({ job });
-  notice(`Left out of the job: ${message}`);
-  return true;
+/** The quantity that the planes show: the one chosen, if the scene has it. */
+function shownField() {
+  return has(quantityOf.get(state.field), valid.numbers) ? state.field : "speed";
 }
 
 /** A change by the user, who has read the last notice. */
@@ -82,7 +81,7 @@ function edit(change) {
 
 /** Names the preset or file from which the job comes, and whether it has changed since. */
 function showOrigin() {
-  at("own").textContent = state.origin in data.presets ? `${state.origin}, changed` : state.origin;
+  at("own").textContent = presets.has(state.origin) ? `${state.origin}, changed` : state.origin;
   at("preset").value = presets.nameOf(state.job);
 }
 
@@ -98,20 +97,14 @@ function editKey(name, text) {
   edit({ job });
 }
 
-/** The quantity of which the best designs are searched for: of loads and rates, the largest is no aim. */
-function searched() {
-  const quantity = quantityOf.get(state.field);
-  return quantity.searched ? quantity : quantityOf.get("speed");
-}
-
 /** Sends requests; those that have not changed since are left out. */
 function ask() {
   const { numbers, box } = valid;
-  const { design, field } = state;
+  const { design, aim } = state, field = shownField();
   pool.sendOther("trace", { numbers, design, planeTolerance });
   planes.forEach((plane, index) =>
     pool.sendPlane(index, { numbers, box, plane, field, tolerance: planeTolerance, at: design[plane.across] }));
-  if (pool.sendOther("search", { numbers, box, field: searched().field })) best.take(null, searched());
+  if (pool.sendOther("search", { numbers, box, field: aim })) best.take(null, quantityOf.get(aim));
   if (state.pinned) {
     const { numbers: others } = checkedJob(state.pinned.job, core);
     if (pool.sendOther("pinned", { numbers: others, design: state.pinned.design, planeTolerance })) pinned = null;
@@ -131,13 +124,28 @@ function receive(answer) {
   if (answer.type === "plane") {
     views[answer.index].take(answer.picture);
     if (answer.isLast)
-      at("cost").textContent = `${answer.designs} designs in ${answer.milliseconds.toFixed(0)} ms.`;
+      at("cost").textContent = `${answer.designs} designs in ${answer.milliseconds.toFixed(0)} ms of computing.`;
   } else if (answer.type === "trace") live = answer;
   else if (answer.type === "pinned") pinned = answer.trace;
   else if (answer.type === "values") stored.takeLive(answer.values);
-  else if (answer.type === "search") best.take(answer.maxima, searched(), answer.progress);
+  else if (answer.type === "search") best.take(answer.maxima, quantityOf.get(state.aim), answer.progress);
+  else if (answer.type === "offer") best.offer({ ...offered, value: answer.values[0] });
   else if (answer.type === "failed") fail(answer);
+  if (valid && !pool.isBusy) offerShown();
   redraw();
+}
+
+let offered = null;
+/** Checks the best design on the page, if it is better than those that the search has found. */
+function offerShown() {
+  const { box, numbers } = valid, { aim, design } = state;
+  const shown = views.map((view) => view.highest(aim, design)).filter((trial) => trial);
+  if (live && isInside(box, live.trace.design))
+    shown.push({ design: live.trace.design, value: live.trace.fields[aim] });
+  const [trial] = shown.filter(({ value }) => best.isMissed(value)).sort((a, b) => b.value - a.value);
+  if (!trial) return;
+  offered = trial;
+  pool.sendOther("offer", { numbers, field: aim, designs: axes.map((axis) => trial.design[axis]) });
 }
 
 /** Shows that a computation failed, and no longer what it would have replaced. */
@@ -146,7 +154,7 @@ function fail({ failed, index, message }) {
   if (failed === "plane") views[index].take(null);
   if (failed === "trace") live = null;
   if (failed === "values") at("stored.values").replaceChildren();
-  if (failed === "search") best.take([], searched());
+  if (failed === "search") best.take([], quantityOf.get(state.aim));
 }
 
 let isWaiting = false;
@@ -164,10 +172,10 @@ function redraw() {
 function draw() {
   if (!valid) return;
   const { box, numbers } = valid;
-  const { design, field } = state;
+  const { design } = state, field = shownField();
   const quantity = quantityOf.get(field);
   const shown = views.filter(({ data: picture }) => picture && picture.field === field);
-  const limits = state.locked ??
+  const limits = (field === state.field && state.locked) ||
     limitsOf([...shown.map(({ data: picture }) => picture.values), ...stored.values(field)]);
   views.forEach((view) => view.draw({ box, design, field, limits, optimum: best.design,
                                       pinned: state.pinned?.design }));
@@ -178,6 +186,8 @@ function draw() {
     drawScale(at("scale"), limits, quantity);
     at("scale").dataset.limits = limits.join(" ");
   }
+  const edge = best.design && !best.isSearching ? edgeText(box, best.design) : "";
+  at("edge").textContent = edge && `The best design found is on the edge of the lattice: ${edge}.`;
   designFields.show(design, box);
   const outside = outsideText(box, design);
   at("outside").textContent = outside && `Outside the lattice: ${outside}.`;
@@ -197,11 +207,8 @@ function drawSwing(numbers) {
   animation.show([live && { ...live.trace, scene: machineOf(valid) },
                   others && { ...pinned, scene: machineOf(others) }]);
   if (!live) return;
+  showHeadline(live.trace, core);
   showReadouts(at("readouts"), live, numbers, others && { trace: pinned, numbers: others.numbers }, core);
-  const { fields, status } = live.trace;
-  at("headline").textContent = Number.isNaN(fields.speed) ? status.replaceAll("_", " ")
-    : `${fields.speed.toFixed(8)} m/s`;
-  at("reason").textContent = status === "released" ? "" : core.statusMeanings[core.statuses.indexOf(status)];
 }
 
 function notice(text, isWrong = false) {
@@ -219,6 +226,7 @@ function ignoredText(job, before = "") {
 function load(text, name) {
   const { job, scene } = readJob(text, data.presets, core);
   const { box } = checkedJob(job, core); // before anything changes
+  presets.add(name, text);
   const design = suggestedDesign(text) ?? state.design;
   const notes = [scene && `the first scene of a study, with ${scene}`, ignoredText(job)].filter((note) => note);
   notice(notes.length ? `${name}: ${notes.join("; ")}` : "");
@@ -242,20 +250,24 @@ function copyJob() {
   copy(jobText(job, unused, proposed, state.design));
 }
 
-let memory = 0;
-/** Writes the state to the address, at most a few times a second. */
+let memory = 0, lastMemory = -Infinity;
+/** Writes the state to the address: at once, but at most a few times a second, since browsers limit the number. */
 function remember() {
   clearTimeout(memory);
-  memory = setTimeout(() => history.replaceState(null, "", `#${toFragment({ ...state, job: valid.job })}`), 300);
+  memory = setTimeout(() => {
+    lastMemory = performance.now();
+    history.replaceState(null, "", `#${toFragment({ ...state, job: valid.job })}`);
+  }, Math.max(0, lastMemory + 300 - performance.now()));
 }
 
 /** Takes the state of the address, without what is wrong in it. The address stays as it is until the next edit. */
-function restore({ isGiven, ...saved }) {
+function restore({ isGiven, mistakes: lengths, ...saved }) {
   const live = mended(saved.job, core), other = saved.pinned && mended(saved.pinned.job, core);
   update({ ...saved, job: live.job, field: quantityOf.has(saved.field) ? saved.field : "speed",
            pinned: other && { ...saved.pinned, job: other.job } });
   clearTimeout(memory);
-  const mistakes = [...live.mistakes, ...(other?.mistakes.map((text) => `pinned: ${text}`) ?? [])];
+  if (saved.field !== null && !quantityOf.has(saved.field)) lengths.push(`field = ${saved.field}: unknown quantity`);
+  const mistakes = [...lengths, ...live.mistakes, ...(other?.mistakes.map((text) => `pinned: ${text}`) ?? [])];
   if (mistakes.length) notice(`The address of the page: ${mistakes.join("; ")}`, true);
   else notice(ignoredText(live.job, "In the address, "));
 }
@@ -263,7 +275,7 @@ function restore({ isGiven, ...saved }) {
 function listen() {
   at("preset").onchange = () => {
     const name = at("preset").value;
-    tryToLoad(data.presets[name], name);
+    tryToLoad(presets.texts[name], name);
   };
   at("copy").onclick = copyJob;
   at("pin").onclick = () => edit({
@@ -294,7 +306,7 @@ function showLegend() {
 /** Builds the page, once the core has started. */
 function start(ready) {
   core = ready;
-  presets = new Presets(data.presets, core);
+  presets = new Presets(data.presets, core, at("preset"));
   const move = (part) => edit({ design: moved(valid.box, state.design, part(state.design)) });
   views = planes.map((plane, i) => new PlaneView(at(`plane.${i}`), plane, move));
   controls = new Controls(at("controls"), core, editKey);
@@ -303,10 +315,10 @@ function start(ready) {
   best = new BestDesigns((design, isOwn) => (isOwn ? update : edit)({ design }));
   stored = new StoredPlanes(data.stored, core, move);
   at("field").append(...quantities.map(({ field, label }) => new Option(label, field)));
-  at("preset").append(...Object.keys(data.presets).sort().map((name) => new Option(name, name)));
   showLegend();
   listen();
   const saved = fromFragment(location.hash.slice(1));
+  if (stored.job) presets.add(stored.name, jobText(stored.job, new Map(), {}, stored.design));
   if (stored.job && !saved.isGiven) {
     const { job, design, field, name } = stored;
     update({ job, design, field, origin: name });

@@ -19,3 +19,4 @@ export function numberText(x, digits = null) {
 
 /** Whether a number of metres can be a length. */
 export const isLength = (x) => x >= 1e-12 && x <= 1e12;
+export const lengthText = "a number above 0, from 1e-12 to 1e+12";

@@ -32,6 +32,23 @@ export class PlaneView {
     this.maxima = !data || data.field === "status" ? [] : localMaxima(data);
   }
 
+  /** The cell with the largest value of a field, as {design, value}, in the plane through a design; or null. */
+  highest(field, design) {
+    if (this.data?.field !== field) return null;
+    const { values, columns, rows, u, v } = this.data;
+    let best = -1;
+    values.forEach((value, cell) => {
+      if (value > (values[best] ?? -Infinity)) best = cell;
+    });
+    if (best < 0) return null;
+    const length = ({ low, high }, part) => Number((low + part * (high - low)).toPrecision(12));
+    const part = {
+      [this.plane.u]: length(u, ((best % columns) + 0.5) / columns),
+      [this.plane.v]: length(v, (Math.floor(best / columns) + 0.5) / rows),
+    };
+    return { design: { ...design, ...part }, value: values[best] };
+  }
+
   /** `view` is the page's state: box, design, field, limits, optimum and pinned design. */
   draw(view) {
     this.view = view;

@@ -68,7 +68,10 @@ export class Pool {
     const { kind, type, index } = request, next = this.held.get(kind);
     if (!request.isLive) return;
     request.hasAnswer = true;
-    if (isLast || next) request.isLive = !this.running.delete(kind);
+    if (isLast || next) {
+      request.isLive = false;
+      this.running.delete(kind);
+    }
     if (next) {
       this.held.delete(kind);
       this.#start(next);
@@ -88,11 +91,13 @@ export class Pool {
         { numbers, design: request.design, looser, tolerance: traceTolerance, steps: traceSteps });
       show({ trace, error, planeError });
     };
+    const values = async () => show({ values: (await integrate(Float64Array.from(request.designs))).values });
     return {
       trace,
       pinned: trace,
+      values,
+      offer: values,
       plane: () => drawPasses(request, integrate, isUnfinished, show),
-      values: async () => show({ values: (await integrate(Float64Array.from(request.designs))).values }),
       search: () => search(box, integrate, isUnfinished, show),
     }[request.type]();
   }

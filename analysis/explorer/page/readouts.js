@@ -9,6 +9,16 @@ function cell(tag, text, id) {
   return made;
 }
 
+/** Shows the speed, or why there is none. */
+export function showHeadline({ fields, status }, core) {
+  const show = (id, text) => { document.getElementById(id).textContent = text; };
+  show("headline", Number.isNaN(fields.speed) ? status.replaceAll("_", " ") : `${fields.speed.toFixed(8)} m/s`);
+  if (status !== "released") show("reason", core.statusMeanings[core.statuses.indexOf(status)]);
+  else if (fields["least-sling-tension"] < 0)
+    show("reason", "The sling would go slack: its least tension is negative. The speed is unphysical.");
+  else show("reason", "");
+}
+
 /** Fills the table; `pinned` is {trace, numbers} or null. Rows have the meanings of the core's fields. */
 export function showReadouts(table, { trace, error, planeError }, numbers, pinned, core) {
   const value = (quantity, shown) =>
@@ -27,7 +37,7 @@ export function showReadouts(table, { trace, error, planeError }, numbers, pinne
     return row;
   });
   table.replaceChildren(...(pinned ? [head] : []), ...rows);
-  const rounding = Number.EPSILON * trace.fields.speed;
+  const rounding = 100 * Number.EPSILON * trace.fields.speed; // of some hundred steps
   const text = (x) => (Number.isNaN(x) ? "–" : `${Math.max(x, rounding).toExponential(0)} m/s`);
   document.getElementById("errors").textContent =
     `Error of the speed: about ${text(error)}; of the planes, here: ${text(planeError)}.`;

@@ -147,15 +147,17 @@ function numbersOf(values, unused, core) {
   return numbers;
 }
 
-/** A job without the keys that checkedJob refuses, as {job, mistakes}: their messages. */
-export function mended(job, core) {
+/**
+ * A job without the keys that checkedJob refuses, as {job, checked, mistakes}: what checkedJob returns, and the
+ * messages. Throws InputError for a key that must stay.
+ */
+export function mended(job, core, mayLeaveOut = () => true) {
   const kept = { ...job }, mistakes = [];
   for (;;)
     try {
-      checkedJob(kept, core);
-      return { job: kept, mistakes };
+      return { checked: checkedJob(kept, core), job: kept, mistakes };
     } catch (error) {
-      if (!(error instanceof InputError)) throw error;
+      if (!(error instanceof InputError) || !mayLeaveOut(error.key)) throw error;
       mistakes.push(error.message);
       if (error.key in kept) delete kept[error.key];
       else Object.keys(kept).forEach((name) => delete kept[name]); // a rule between other keys

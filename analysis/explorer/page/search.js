@@ -69,8 +69,8 @@ function distinct(box, maxima) {
 
 /** A design with lengths of seven digits, which people can read, within the bounds. */
 function rounded(box, design) {
-  const length = (axis) =>
-    Math.min(Math.max(Number(design[axis].toPrecision(7)), box[axis].low), box[axis].high);
+  const length = (axis) => Number(
+    Math.min(Math.max(Number(design[axis].toPrecision(7)), box[axis].low), box[axis].high).toPrecision(12));
   const r3 = length("r3");
   return { r1: length("r1"), r3, r2: Math.min(length("r2"), Number((box.reach - r3).toPrecision(12))) };
 }

@@ -100,9 +100,10 @@ function checkSize(box, get) {
 }
 
 /**
- * The box of the designs: for each axis its bounds {low, high}, and the values of its lattice {first, step,
- * count}; and `reach`, the bound of r2 + r3 (49), infinite where r2 is explicit. Axes in `proposed` are the
- * page's own, where a trough needs explicit ones. Throws InputError if it is empty.
+ * The box of the designs: for each axis its bounds {low, high}, the values of its lattice {first, step, count}
+ * and the number of the equation of its bounds, `rule`, unless they are explicit; and `reach`, the bound of
+ * r2 + r3 (49), infinite where r2 is explicit. Axes in `proposed` are the page's own, where a trough needs
+ * explicit ones. Throws InputError if it is empty.
  */
 export function boxOf(get) {
   const h0 = get("scene.fulcrum-height"), trough = get("scene.trough") === "yes";
@@ -114,11 +115,11 @@ export function boxOf(get) {
     box.proposed.push(axis);
     return closedInterval(proposedRange(h0));
   };
-  box.r1 = explicit("r1") ?? armAxis(get);
-  box.r3 = explicit("r3") ?? slingAxis(get);
+  box.r1 = explicit("r1") ?? { ...armAxis(get), rule: " (47)" };
+  box.r3 = explicit("r3") ?? { ...slingAxis(get), rule: " (48)" };
   box.r2 = explicit("r2");
   if (!box.r2) {
-    box.r2 = throwingAxis(get, box.r3.low);
+    box.r2 = { ...throwingAxis(get, box.r3.low), rule: " (49)" };
     box.reach = h0;
   }
   checkSize(box, get);
@@ -141,9 +142,24 @@ export function windowOf({ low, high }) {
 export function outsideText(box, design) {
   const reasons = axes
     .filter((axis) => design[axis] < box[axis].low - 1e-9 || design[axis] > box[axis].high + 1e-9)
-    .map((axis) => `${axis} must be from ${six(box[axis].low)} to ${six(box[axis].high)} m`);
+    .map((axis) => {
+      const { low, high, rule = "" } = box[axis];
+      return `${axis} must be from ${six(low)} to ${six(high)} m${rule}`;
+    });
   if (design.r2 + design.r3 > box.reach * (1 + 1e-9)) reasons.push(`r2 + r3 below ${six(box.reach)} m (49)`);
   return reasons.join(", ");
+}
+
+/** The bounds that a design lies on, "" if none: better designs may be beyond them. */
+export function edgeText(box, design) {
+  const isAt = (x, bound) => Number.isFinite(bound) && Math.abs(x - bound) <= 1e-5 * bound;
+  const edges = axes.flatMap((axis) => {
+    const { low, high, rule = "" } = box[axis];
+    const bounds = low < high ? [low, high].filter((bound) => isAt(design[axis], bound)) : [];
+    return bounds.map((bound) => `${axis} = ${six(bound)} m${rule}`);
+  });
+  if (isAt(design.r2 + design.r3, box.reach)) edges.push(`r2 + r3 = ${six(box.reach)} m (49)`);
+  return edges.join(", ");
 }
 
 export function isInside(box, design) {

@@ -19,7 +19,9 @@ export class StoredPlanes {
     if (!archive) return;
     Object.assign(this, archive);
     this.quantity = quantityOf.get(this.field);
-    this.job = parsed(archive.job); // as the program wrote it
+    const written = parsed(archive.job), { numbers, box, unused } = checkedJob(written, core);
+    // Of a study's scene, the program also writes keys that other scenes use.
+    this.job = Object.fromEntries(Object.entries(written).filter(([key]) => !unused.has(key)));
     const solver = ignoredKeys(this.job).filter((text) => text.startsWith("solver.")).join(", ");
     at("stored.solver").textContent =
       solver && `The archive was computed with ${solver}, which the page does not have: its values differ.`;
@@ -27,7 +29,6 @@ export class StoredPlanes {
     at("stored.title").textContent = `Stored in ${this.name}: ${this.quantity.label}, planes through ` +
       `${Object.entries(this.design).map(([axis, x]) => `${axis} = ${x}`).join(", ")} m` +
       (this.progress && ` (${this.progress})`);
-    const { numbers, box } = checkedJob(this.job, core);
     this.numbers = numbers;
     this.box = { reach: box.reach };
     for (const axis of ["r1", "r3", "r2"]) {
@@ -95,7 +96,7 @@ export class StoredPlanes {
       return Math.min(Math.max(Math.round((design[axis] - first) / step), 0), count - 1);
     };
     const cell = index(plane.v) * data.columns + index(plane.u);
-    return { point: this.#point(plane, cell), value: data.values[cell] };
+    return { point: this.#point(plane, cell), value: data.values[cell], isDesign: this.#isDesign(plane, cell) };
   }
 
   /** Shows stored values with live ones. */
@@ -103,7 +104,8 @@ export class StoredPlanes {
     const text = (value) => `${valueText(this.quantity, value, 7)} ${this.quantity.unit}`; // 32-bit floats
     const row = (tag, cells) => `<tr>${cells.map((cell) => `<${tag}>${cell}</${tag}>`).join("")}</tr>`;
     at("stored.values").innerHTML = row("th", ["design (m)", "stored", "computed here, archive's scene"]) +
-      this.nearest.map(({ point, value }, i) =>
-        row("td", [`r1 = ${point.r1}, r3 = ${point.r3}, r2 = ${point.r2}`, text(value), text(live[i])])).join("");
+      this.nearest.map(({ point, value, isDesign }, i) =>
+        row("td", [`r1 = ${point.r1}, r3 = ${point.r3}, r2 = ${point.r2}`,
+                   isDesign ? text(value) : "outside the lattice", text(live[i])])).join("");
   }
 }

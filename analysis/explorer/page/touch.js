@@ -17,7 +17,9 @@ export function onSlide(slider, report) {
     touch = null;
     if (hasChanged) report();
   };
-  slider.oninput = () => touch ?? report();
+  slider.oninput = () => {
+    if (!touch) report();
+  };
   slider.onpointerdown = ({ pointerType, clientX, clientY }) => {
     if (pointerType === "touch") touch = { value: slider.value, clientX, clientY };
   };
