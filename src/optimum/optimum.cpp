@@ -184,8 +184,7 @@ Starts find_starts(const Job& job, const OptimumOptions& options, MPI_Comm comm)
 [[noreturn]] void refuse_deviation(double deviation) {
   throw NoOptimum(
       fmt::format("no design was found that has a release and satisfies the constraints with all "
-                  "lengths off by "
-                  "up to optimum.deviation = {} m",
+                  "lengths off by up to optimum.deviation = {} m",
                   deviation));
 }
 

@@ -1,6 +1,6 @@
 // The best designs found: the buttons that lead to them, and the crosshair that waits for them.
 
-import { quantityOf, valueText } from "./quantities.js";
+import { valueText } from "./quantities.js";
 
 const at = (id) => document.getElementById(id);
 

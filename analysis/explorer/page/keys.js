@@ -107,7 +107,7 @@ const listOf = (item) => ({ kind: "list", item });
 const setOf = (item) => ({ kind: "list", item, isSet: true });
 
 /** Keys that the page has no control for. It reads them, checks them, and writes them to job files. */
-export const otherKeys = Object.entries({
+const otherKeys = Object.entries({
   "solver.stepper": stepper,
   "solver.time-step": numberIn(positive),
   "solver.tolerance": numberIn(tolerances),
