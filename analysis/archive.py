@@ -368,13 +368,15 @@ class Archive:
         return int(np.argmin(np.abs(self.axes[axis] - value)))
 
     def index(self, axis, value):
-        """The same; ends the program if `value` lies outside the axis."""
+        """The index of a value on an axis. Ends the program if the value is not on the axis."""
         values = self.axes[axis]
-        limits = edges(values)
-        if not limits[0] <= value <= limits[-1]:
-            refuse(axis, f"{value:g}",
-                   f"must be from {values[0]:g} to {values[-1]:g} m, as in {self.path}")
-        return self.nearest(axis, value)
+        index = self.nearest(axis, value)
+        if not np.isclose(value, values[index], rtol=1e-9, atol=0):
+            near = " or ".join(f"{x:.10g}" for x in sorted(values[max(index - 1, 0):index + 2],
+                                                           key=lambda x: abs(x - value))[:2])
+            refuse(axis, f"{value:.10g}", f"must be a value of the axis in {self.path}, such as "
+                   f"{near} m, from {values[0]:.10g} to {values[-1]:.10g} m")
+        return index
 
     def extreme(self, field, largest):
         """({axis: value in m}, value) of the largest or smallest value of a map, or None."""

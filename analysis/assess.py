@@ -5,6 +5,9 @@ The pictures are STEM-precision, STEM-order and STEM-stability. --maps ARCHIVE, 
 sweep with the fields speed-error and stiffness, adds STEM-speed_error and STEM-stiffness: maps of
 the error of the sweep's solver and of the stiffness over the design space.
 
+Arrows at the upper edge mark solvers with an error above 10 m/s, or a design whose outcome is not
+the true one; lines break there.
+
   assess.py assess.h5                                  -> assess-precision.png, ...
   trebsweep sweep jobs/paper.cfg --output.fields "speed, status, speed-error, stiffness"
   assess.py assess.h5 --maps paper.h5 --format svg
@@ -17,11 +20,13 @@ import numpy as np
 
 from archive import Archive, limited_cpu_time, open_file, reading, stem
 from maps import draw, finite_values, middle, scaled, slices, views
-from picture import FORMATS, labelled, plt, save
+from picture import FORMATS, check_output, labelled, plt, save
 
 STEPPERS = ("euler", "modified_midpoint", "rk4", "cash_karp54", "dopri5", "fehlberg78",
             "vern7", "vern8", "adams_bashforth_moulton", "bulirsch_stoer", "rosenbrock4")
 MARKERS = "os^vD*XphP<>"
+LARGEST = 10  # m/s: the largest error that is drawn
+BEYOND = r"$\uparrow$"  # marker of larger ones
 COLORS = [*(f"C{number}" for number in range(10)), "black", "navy"]
 
 
@@ -82,6 +87,17 @@ def panels(scenes):
     return figure, list(axes.flat)
 
 
+def draw_line(panel, x, rows, kind):
+    """Draws the errors of a stepper against x, and arrows for those that are beyond the axis."""
+    with np.errstate(invalid="ignore"):
+        good = (rows["error_largest"] < LARGEST) & (rows["different"] == 0)
+    if good.any():
+        panel.plot(x, np.where(good, rows["error_largest"], np.nan), **kind)
+    if not good.all():
+        panel.plot(x[~good], np.full((~good).sum(), 0.96), color=kind["color"], marker=BEYOND,
+                   markersize=8, linestyle="none", transform=panel.get_xaxis_transform())
+
+
 def draw_errors(assessment, abscissa, label, title):
     """Largest error against a column: a panel for each scene, a line for each stepper."""
     scenes = assessment.scenes()
@@ -89,11 +105,7 @@ def draw_errors(assessment, abscissa, label, title):
     for panel, scene in zip(axes, scenes):
         for stepper, number in assessment.steppers().items():
             rows = assessment.measurements(scene, stepper)
-            good = np.isfinite(rows["error_largest"]) & (rows["different"] == 0)
-            good &= rows["error_largest"] < 10
-            if good.any():
-                panel.plot(rows[abscissa][good], rows["error_largest"][good],
-                           **style(stepper, number))
+            draw_line(panel, rows[abscissa], rows, style(stepper, number))
         floor = assessment.reference_error(scene)
         if np.isfinite(floor):
             panel.axhline(floor, color="0.4", linestyle=":", linewidth=1)
@@ -107,6 +119,8 @@ def draw_errors(assessment, abscissa, label, title):
         panel.grid(True, color="0.9")
     lines = {line.get_label(): line for panel in axes for line in panel.get_lines()
              if line.get_label() in assessment.steppers()}
+    if any(line.get_marker() == BEYOND for panel in axes for line in panel.get_lines()):
+        title += f"; \u2191 an error above {LARGEST} m/s, or an outcome that is not the true one"
     # The legend goes above the panels, in empty lines of the title.
     columns = max(1, min(len(lines), 3 * len(scenes)))
     figure.suptitle(title + "\n" * (1 - -len(lines) // columns))
@@ -180,7 +194,9 @@ def draw_maps(path, at, picture_stem, form):
         note(f"{path}: holds a single design; no map is drawn")
         return
     for field in fields:
-        save(draw_map(archive, field), f"{picture_stem}-{field}.{form}")
+        name = f"{picture_stem}-{field}.{form}"
+        check_output(name, path)
+        save(draw_map(archive, field), name)
 
 
 def main():
@@ -200,14 +216,17 @@ def main():
         refuse("format", form, f"must be one of {', '.join(FORMATS)}")
     assessment = Assessment(arguments.assessment)
     name = arguments.output or stem(arguments.assessment)
+    precision, order, stability = outputs = [f"{name}-{what}.{form}"
+                                             for what in ("precision", "order", "stability")]
+    for output in outputs:
+        check_output(output, arguments.assessment)
     with reading(arguments.assessment, "is damaged"):
         save(draw_errors(assessment, "seconds", "run time per design (s)",
-                          "Error against run time"), f"{name}-precision.{form}")
+                          "Error against run time"), precision)
         save(draw_errors(assessment, "evaluations", "right-hand sides per design",
-                          "Order of convergence: error against right-hand sides"),
-             f"{name}-order.{form}")
+                          "Order of convergence: error against right-hand sides"), order)
         if assessment.tables.get("stability"):
-            save(draw_stability(assessment), f"{name}-stability.{form}")
+            save(draw_stability(assessment), stability)
     if arguments.maps:
         draw_maps(arguments.maps, arguments.at, name, form)
 

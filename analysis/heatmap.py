@@ -100,7 +100,8 @@ def main():
     parser.add_scene()
     for axis in AXES:
         parser.add_argument(f"--{axis}", type=float, metavar="M",
-                            help=f"draw the plane at this {axis} in m (default: the best design's)")
+                            help=f"draw the plane at this value of the axis {axis}, in m "
+                            "(default: the best design's)")
     parser.add_argument("-o", "--output", metavar="PICTURE", help=OUTPUT_HELP +
                         "default: the archive's name with the field's and .png")
     arguments = parser.parse_args()

@@ -66,22 +66,30 @@ def shows(archive, names, centre, design):
                for name in AXES if name not in names)
 
 
-def draw_contours(axes, archive, names, values):
-    """Draws contours, unless the values are constant."""
-    finite = values[np.isfinite(values)]
-    if min(values.shape) < 2 or not finite.size or np.ptp(finite) <= 1e-9 * np.abs(finite).max():
+def contour_levels(values):
+    """Round levels for the contours of several arrays; none if the values are constant."""
+    finite = finite_values(values)
+    if not finite.size or np.ptp(finite) <= 1e-9 * np.abs(finite).max():
+        return []
+    return plt.MaxNLocator(9, min_n_ticks=1).tick_values(finite.min(), finite.max())
+
+
+def draw_contours(axes, archive, names, values, levels, norm):
+    """Draws the contours of the levels, black on bright colours."""
+    if min(values.shape) < 2 or not any(np.nanmin(values) < level < np.nanmax(values)
+                                        for level in levels):
         return
-    lines = axes.contour(*(archive.axes[name] for name in names), values, 8, colors="white",
-                         linewidths=0.6, alpha=0.8)
-    axes.clabel(lines, fontsize=7, fmt="%g")
+    lines = axes.contour(*(archive.axes[name] for name in names), values, levels, linewidths=0.6,
+                         colors=["white" if norm(level) < 0.5 else "black" for level in levels])
+    axes.clabel(lines, fontsize=8, fmt="%g")
 
 
-def draw_plane(axes, archive, names, values, style, contours):
-    """Draws the values of a plane; returns the mesh, for the colour bar."""
+def draw_plane(axes, archive, names, values, style, levels):
+    """Draws the values of a plane, with contours of some levels; returns the mesh, for the colour
+    bar."""
     limits = [edges(archive.axes[name]) for name in names]
     mesh = axes.pcolormesh(*limits, values, rasterized=True, **style)
-    if contours:
-        draw_contours(axes, archive, names, values)
+    draw_contours(axes, archive, names, values, levels, mesh.norm)
     axes.set(xlim=limits[0][[0, -1]], ylim=limits[1][[0, -1]],
              ylabel=axis_label(archive, names[1]))
     return mesh
@@ -108,11 +116,13 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
     style     colour map and norm, as arguments of pcolormesh
     meanings  texts of the flags, if the values are flags
     star      {axis: m} of the design to mark, or None
+    contours  whether to draw contours, of the same levels in all views
     """
     panels = views(archive)
     figure, all_axes = plt.subplots(1, len(panels), squeeze=False,
                                     figsize=(15, 5.2) if len(panels) > 1 else (8, 5.8))
     label = wrapped(label, figure.get_figheight() - 1.2, 10)
+    levels = contour_levels(values) if contours else []
     for axes, names, part in zip(all_axes.flat, panels, values):
         axes.set_facecolor(background if len(names) > 1 else "white")
         axes.set_title(position_text(archive, names, centre))
@@ -128,7 +138,7 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
             point = marked and (star[names[0]],
                                 part[archive.nearest(names[0], star[names[0]])])
         else:
-            mesh = draw_plane(axes, archive, names, part, style, contours)
+            mesh = draw_plane(axes, archive, names, part, style, levels)
             point = marked and tuple(star[name] for name in names)
         if point:
             axes.plot(*point, "*", color=star_colour, markersize=13, markeredgecolor="white",

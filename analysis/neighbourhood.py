@@ -3,9 +3,10 @@
 
 In each panel the other two lengths are those of the optimum that `trebsweep optimum` finds. The
 panel extends a few times as far as the length may be off before 1 % of the objective is lost, but
-hardly beyond the bounds of the lattice. The curve has gaps where a design has no release. Regions
-that violate a constraint are shaded. With optimum.deviation, a band shows the deviation of the
-length, and lines show the worst and the expected objective.
+hardly beyond the bounds of the lattice. Its title also says where a bound or a constraint allows
+less. The curve has gaps where a design has no release. Regions that violate a constraint are
+shaded. With optimum.deviation, a band shows the deviation of the length, and lines show the worst
+and the expected objective.
 
 All designs are integrated accurately, whatever the job's stepper. Options of `trebsweep optimum`
 follow after --.
@@ -32,6 +33,7 @@ from picture import (OUTPUT_HELP, check_output, labelled, plt, readable_unit, sa
 PANELS = ("r1", "r2", "r3")
 DESIGNS = 200   # of a curve
 REACH = 3       # of a panel, in lengths that lose 1 %
+LEAST = 0.02    # reach of a panel beyond a limit, at least, in lengths
 BEYOND = 0.05   # of a panel, beyond the bounds of the lattice
 HEIGHT = 0.1    # of a panel above the optimum, and below it and the worst value, at most, in values
 WORDS = {"no": "optimum", "worst": "best worst case", "expected": "best expected value"}
@@ -40,9 +42,9 @@ COLOURS = ("tab:red", "tab:purple", "tab:brown", "tab:olive", "tab:cyan", "tab:p
 # A constraint is violated where sign * (field - limit) > 0.
 Constraint = namedtuple("Constraint", "field sign limit")
 
-# A length of the optimum, its bounds, and how much shorter and longer it may be before 1 % of the
-# objective is lost (inf: any length), m.
-Length = namedtuple("Length", "value bounds shorter longer")
+# A length of the optimum, its bounds, how much shorter and longer it may be (inf: any length), m,
+# and what ends this: a limit as text, or None for the loss of 1 % of the objective.
+Length = namedtuple("Length", "value bounds shorter longer shorter_limit longer_limit")
 
 # What `trebsweep optimum` found for a job {(section, key): value}: its lengths {name: Length}; the
 # worst and the expected value under the deviation, None without one or if designs in it have no
@@ -67,8 +69,9 @@ def read_optimum(result):
     """The Optimum that an object of `trebsweep optimum --json` describes."""
     job = parse_job(result["job"])
     lengths = {name: Length(result[name], bounds, *(np.inf if loss is None else loss
-                                                    for loss in losses))
-               for name, bounds, losses in zip(AXES, result["bounds"], result["one_percent_loss"])}
+                                                    for loss in losses), *limits)
+               for name, bounds, losses, limits in zip(
+                   AXES, result["bounds"], result["one_percent_loss"], result["one_percent_limit"])}
     return Optimum(job, result["objective"], result["value"], lengths, constraints_of(job),
                    float(job["optimum", "deviation"]), result["worst"], result["expected"])
 
@@ -81,7 +84,9 @@ def is_free(length):
 def extent(length, deviation):
     """The ends of a panel, m."""
     half = 0.5 * length.value  # the program looks no farther for a loss of 1 %
-    below, above = (min(half, REACH * loss) for loss in (length.shorter, length.longer))
+    beyond_limit = max(REACH * max(length.shorter, length.longer), LEAST * length.value)
+    below, above = (min(half, beyond_limit if limit else REACH * loss) for loss, limit in (
+        (length.shorter, length.shorter_limit), (length.longer, length.longer_limit)))
     if is_free(length):
         low, high = length.bounds
         beyond = BEYOND * (below + above)
@@ -174,18 +179,36 @@ def draw_deviation(axes, length, optimum, factor, unit):
 
 
 def draw_loss(axes, length, least):
-    """Draws the value 1 % below the optimum, and where the objective falls below it."""
+    """Draws the value 1 % below the optimum, and where the objective falls below it, unless a limit
+    comes first."""
     axes.axhline(least, color="grey", linewidth=0.8, label="1 % less than the optimum")
-    ends = [length.value + loss for loss in (-length.shorter, length.longer) if np.isfinite(loss)]
-    axes.plot(ends, [least] * len(ends), "|", color="black", markersize=10,
-              label="where 1 % is lost")
+    ends = [length.value + loss
+            for loss, limit in ((-length.shorter, length.shorter_limit),
+                                (length.longer, length.longer_limit))
+            if np.isfinite(loss) and not limit]
+    if ends:
+        axes.plot(ends, [least] * len(ends), "|", color="black", markersize=10,
+                  label="where 1 % is lost")
 
 
-def loss_text(length):
-    """How much shorter and longer a length may be before 1 % is lost."""
-    sides = [f"any length {word}" if np.isinf(loss) else f"{1000 * loss:.3g} mm {word}"
-             for loss, word in ((length.shorter, "shorter"), (length.longer, "longer"))]
-    return "1 % less: " + " or ".join(sides)
+def limit_text(limit, archive):
+    """A limit with its unit, such as "peak-beam-stress <= 60 MPa"."""
+    if "=" not in limit:
+        return limit  # no release
+    name, relation, value = limit.rsplit(" ", 2)
+    unit = archive.unit(dataset(name)) if dataset(name) in archive.fields else "m"
+    return f"{name} {relation} {amount(float(value), unit)}"
+
+
+def loss_text(length, archive):
+    """How much shorter and longer a length may be before 1 % is lost, or a limit passed."""
+    sides = []
+    for word, loss, limit in (("shorter", length.shorter, length.shorter_limit),
+                              ("longer", length.longer, length.longer_limit)):
+        size = "any length" if np.isinf(loss) else f"{round(1000 * loss, 4):.3g} mm"
+        sides.append(f"{size} {word}" + (f" ({limit_text(limit, archive)})" if limit else ""))
+    separator = "\n" if length.shorter_limit or length.longer_limit else " "
+    return "within 1 %: " + f"{separator}or ".join(sides)
 
 
 def draw_panel(axes, archive, name, optimum):
@@ -206,7 +229,7 @@ def draw_panel(axes, archive, name, optimum):
     axes.xaxis.set_major_locator(plt.MaxNLocator(6))
     axes.set_xlabel(f"{archive.long_name(name)} {name} (m)")
     axes.set_title(f"{name} = {length.value:.7f} m{'' if is_free(length) else ' (fixed)'}\n"
-                   f"{loss_text(length)}", fontsize=11)
+                   f"{wrapped(loss_text(length, archive), 4.2, 11)}", fontsize=11)
 
 
 def set_heights(panels, optimum, factor):

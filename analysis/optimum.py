@@ -12,22 +12,13 @@ Without an optimum, nothing is printed on stdout, and the exit code is 0.
 import os
 import tempfile
 
-from program import Parser, fail, note, refuse_overwriting, run  # before missing modules
+from program import Parser, check_new, note, run, write_text  # before missing modules
 
 from archive import AXES, Archive
 from job import accurate_job, job_text
 from launch import PROGRAM_HELP, find_program, parse_optimum, run_program
 
 NO_OPTIMUM = 1  # exit code of `trebsweep optimum`
-
-
-def write(path, text):
-    """Writes a file; ends the program if that fails."""
-    try:
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-    except OSError as error:
-        fail(f"{path}: cannot be written: {error.strerror}")
 
 
 def lattice_optimum(archive):
@@ -42,7 +33,7 @@ def continuous_optimum(program, text):
     """{axis: value in m} of the optimum that a search with the job `text` finds, or None."""
     with tempfile.TemporaryDirectory() as directory:
         job = os.path.join(directory, "job.cfg")
-        write(job, text)
+        write_text(job, text)
         done = run_program(program, "optimum", job, "--json")
     if done.returncode == NO_OPTIMUM and done.stderr:
         note(done.stderr)
@@ -60,15 +51,16 @@ def main():
                         help="search between the designs of the lattice")
     parser.add_argument("--job", metavar="FILE", help="also write the job to FILE: as it was run, "
                         "or with --continuous with an accurate solver, as the search has it")
+    parser.add_overwrite()
     parser.add_argument("--program", help=PROGRAM_HELP)
     arguments = parser.parse_args()
 
     if arguments.job:
-        refuse_overwriting("job", arguments.job, arguments.archive)
+        check_new("job", arguments.job, arguments.overwrite, arguments.archive)
     archive = Archive(arguments.archive).scene(arguments.at)
     job = job_text(accurate_job(archive.job)) if arguments.continuous else archive.attributes["job"]
     if arguments.job:
-        write(arguments.job, job)
+        write_text(arguments.job, job)
     if arguments.continuous:
         design = continuous_optimum(find_program(arguments.program), job)
     else:

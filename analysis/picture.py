@@ -6,7 +6,8 @@ import os
 import textwrap
 import warnings
 
-from program import fail, refuse, refuse_overwriting  # before modules that may be missing
+import program
+from program import fail, refuse  # before modules that may be missing
 
 
 @functools.cache
@@ -33,7 +34,8 @@ class Pyplot:
 
 plt = Pyplot()
 
-FORMATS = ("png", "svg", "pdf", "eps", "ps", "jpg", "tif", "webp")
+FORMATS = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF", "eps": b"%!PS", "ps": b"%!PS",
+           "jpg": b"\xff\xd8", "tif": b"II*", "webp": b"RIFF"}  # with what their files begin
 PREFIXED = ("N", "Pa", "J")  # units that take a prefix
 OUTPUT_HELP = (f"the suffix selects the format ({', '.join(FORMATS)}); without a suffix a PNG is "
                f"written under exactly this name; ")
@@ -44,12 +46,21 @@ def picture_format(path):
     return os.path.splitext(path)[1][1:].lower() or "png"
 
 
+def is_picture(path):
+    """Whether a file is empty, or a picture of the format that belongs to its name."""
+    with open(path, "rb") as file:
+        start = file.read(8)
+    return not start or start.startswith(FORMATS[picture_format(path)])
+
+
 def check_output(path, *inputs):
-    """Ends the program if the name has no format of pictures or is that of an input file."""
+    """Ends the program if the name has no format of pictures, or is that of an input file or of any
+    other file than a picture."""
     if picture_format(path) not in FORMATS:
         refuse("output", path,
                f"must end in one of .{', .'.join(FORMATS)}, or have no suffix (PNG)")
-    refuse_overwriting("output", path, *inputs)
+    program.check_output("output", path, inputs, not os.path.isfile(path) or is_picture(path),
+                         f"exists and is no {picture_format(path).upper()}; name another file")
 
 
 def save(figure, path):

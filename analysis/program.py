@@ -6,6 +6,7 @@ modules.
 """
 
 import argparse
+import contextlib
 import os
 import signal
 import sys
@@ -14,8 +15,10 @@ NAME = os.path.basename(sys.argv[0])
 
 
 def note(message):
-    """Prints a line on stderr; line breaks in the message become spaces."""
-    print(" ".join(str(message).split()), file=sys.stderr)
+    """Prints a line on stderr; line breaks in the message become spaces. Failures are ignored."""
+    if sys.stderr:  # otherwise it is closed, and print would use stdout
+        with contextlib.suppress(OSError):
+            print(" ".join(str(message).split()), file=sys.stderr)
 
 
 def fail(message):
@@ -28,6 +31,35 @@ def refuse(option, value, allowed):
     """Ends the program with exit code 2 and an option, its value and what is allowed."""
     note(f"{option} = {value}: {allowed}")
     sys.exit(2)
+
+
+def check_output(option, path, inputs, may_replace, advice):
+    """Ends the program with exit code 2 if writing `path` would overwrite one of the inputs,
+    something that is not a file, or any file unless `may_replace`; `advice` then says why."""
+    refuse_overwriting(option, path, *inputs)
+    if os.path.exists(path) and not os.path.isfile(path):
+        refuse(option, path, "is not a regular file; name another file")
+    if os.path.lexists(path) and not may_replace:
+        refuse(option, path, advice)
+
+
+def check_new(option, path, overwrite, *inputs):
+    """The same for a file that is replaced only with --overwrite."""
+    check_output(option, path, inputs, overwrite, "exists; name another file, or give --overwrite")
+
+
+def write_text(path, text):
+    """Writes a file that was checked; ends the program if that fails, and then keeps an older file."""
+    path = os.path.realpath(path)
+    new = f"{path}.{os.getpid()}.new"
+    try:
+        with open(new, "x", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(new, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            os.remove(new)
+        fail(f"{path}: cannot be written: {error.strerror}")
 
 
 def refuse_overwriting(option, path, *inputs):
@@ -78,6 +110,10 @@ class Parser(argparse.ArgumentParser):
                           help=f"{what}: the value of an outer axis, such as projectile-mass=100; "
                                "once per outer axis")
 
+    def add_overwrite(self):
+        """Adds the option without which no existing file is replaced."""
+        self.add_argument("--overwrite", action="store_true", help="replace an existing file")
+
     def error(self, message):
         note(f"{NAME}: {message}; see {NAME} --help")
         sys.exit(2)
@@ -96,8 +132,13 @@ def run(main):
     child = os.fork()
     if child == 0:
         sys.stdout.reconfigure(errors="surrogateescape")  # file names may hold any bytes
-        main()
-        sys.stdout.flush()
+        try:
+            try:
+                main()
+            finally:
+                sys.stdout.flush()
+        except BrokenPipeError:  # the reader has left, as in `study.py ... --csv | head -1`
+            os._exit(128 + signal.SIGPIPE)
         sys.exit()
     status = os.waitpid(child, 0)[1]
     if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL:

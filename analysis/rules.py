@@ -16,7 +16,8 @@ An outer axis given with --free is chosen with the design, as a length is: the b
 of all its values, and rules may relate it to lengths.
 
 Prints what each rule costs in the scenes and, of at most two outer axes, the best design of each
-scene. The picture shows the cost against these axes.
+scene. The picture shows the cost against these axes; its colours end at 40 %, as an arrow of the
+colour bar says where costs are higher.
 
   rules.py rules.h5 --rule "r1 < r2" --rule "r2 + r3 > 1.45" --at beam-side=0.1 -o rules.png
   rules.py hinged.h5 --value "range / r1" --free counterweight-hanger --rule "abs(r3/r2 - 1) < 0.05"
@@ -31,6 +32,8 @@ import numpy as np
 from archive import AXES, Archive
 from picture import OUTPUT_HELP, check_output, plt, save, set_title, wrapped
 from study import axis_label, key_of, set_scale
+
+TOP = 40  # %: the end of the colour scale, beyond which the colour bar has an arrow
 
 FUNCTIONS = {"abs": np.abs, "sqrt": np.sqrt, "sin": np.sin, "cos": np.cos}
 OPERATORS = {ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide,
@@ -208,6 +211,15 @@ def label_cells(axis, values):
     axis.set_ticks(shown, labels=[f"{values[i]:.4g}" for i in shown])
 
 
+def draw_cells(axes, cost):
+    """Draws costs in % as cells with their values, "-" without one; returns the image, for the
+    colour bar."""
+    for place, percent in np.ndenumerate(cost):
+        axes.text(*place, "-" if np.isnan(percent) else f"{percent:.1f}", ha="center", va="center",
+                  fontsize=8, color="white" if percent > 0.6 * TOP else "black")
+    return axes.imshow(cost.T, cmap="Oranges", vmin=0, vmax=TOP, origin="lower", aspect="auto")
+
+
 def draw(archive, findings, rules):
     """The figure of the costs against one or two outer axes, a panel per rule."""
     (x_name, x), *others = findings.axes.items()
@@ -220,16 +232,17 @@ def draw(archive, findings, rules):
     for axes, rule, cost in zip(panels.flat, rules, 100 * findings.costs):
         axes.set_title(wrapped(rule.text, 4.5, 10), fontsize=10)
         if others:
-            axes.imshow(cost.T, cmap="Oranges", vmin=0, vmax=40, origin="lower", aspect="auto")
-            for place, percent in np.ndenumerate(cost):
-                axes.text(*place, "-" if np.isnan(percent) else f"{percent:.1f}", ha="center",
-                          va="center", fontsize=8, color="white" if percent > 25 else "black")
+            image = draw_cells(axes, cost)
             label_cells(axes.xaxis, x)
             label_cells(axes.yaxis, others[0][1])
         else:
             axes.plot(x, cost, marker="o")
             axes.grid(True, color="0.9")
             set_scale(axes.xaxis, x)
+    if others:
+        beyond = np.nanmax(100 * findings.costs, initial=0) > TOP
+        bar = figure.colorbar(image, ax=panels, pad=0.01, extend="max" if beyond else "neither")
+        bar.set_label(f"cost (%){f'; arrow: more than {TOP} %' if beyond else ''}")
     figure.supxlabel(axis_label(archive, x_name))
     figure.supylabel(axis_label(archive, others[0][0]) if others else "cost (%)")
     none = "; -: no design follows it" if others and np.isnan(findings.costs).any() else ""

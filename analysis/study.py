@@ -6,7 +6,9 @@ The quantities are the optimum's value, its lengths r1, r2 and r3, and the ratio
 more, the first two are drawn, or those of --x and --y; --at chooses a value of another one,
 otherwise it is that of the best scene. A star marks the best of the scenes drawn.
 Scenes that are not done, or without an optimum, are left blank. Axes whose values are spaced more
-evenly on a logarithmic scale are drawn on one.
+evenly on a logarithmic scale are drawn on one. Curves break where the optimum jumps from one local
+maximum to another: where it moves by more than 3 steps of the lattice, and more than 2.5 times
+faster than in the intervals before and after.
 
 The table of what is drawn goes to stdout. With --csv, it has SI units and all digits, and no
 picture is drawn. The study needs no maps (output.maps = none).
@@ -32,6 +34,8 @@ LENGTHS = ("r1", "r2", "r3")
 RATIOS = ("r3/r2", "r2/r1", "(r2+r3)/h0")
 DEFAULT = ("value", *LENGTHS, *RATIOS)
 QUANTITIES = ("value", "speed", "release-time", "error", *LENGTHS, *RATIOS)
+
+JUMP_STEPS, JUMP_RATIO = 3, 2.5  # of a jump of the optimum, see jumps()
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73")  # distinct to the colour-blind (Okabe and Ito)
 MARKERS = ("o", "s", "^")
@@ -121,8 +125,24 @@ def grid(count, width, height, x_label, y_label=None):
     return figure, panels.flat[:count]
 
 
+def jumps(archive, quantities):
+    """Whether the optimum jumps to another local maximum, in each interval of the only outer axis:
+    by more than JUMP_STEPS of the lattice, and more than JUMP_RATIO times faster than in the
+    intervals before and after. The first and the last interval lack one of these: False."""
+    (x,) = archive.outer_axes.values()
+    move = np.linalg.norm(np.diff([quantities[name].values for name in LENGTHS]), axis=0)
+    speed = move / np.diff(np.log(x) if is_geometric(x) else x)
+    step = max(np.diff(values).max(initial=0) for values in archive.box.values())
+    found = np.zeros(len(move), bool)
+    found[1:-1] = (move[1:-1] > JUMP_STEPS * step) & (
+        speed[1:-1] > JUMP_RATIO * np.maximum(speed[:-2], speed[2:]))
+    return found
+
+
 def draw_curves(archive, quantities, names, star):
-    """The figure of quantities against the only outer axis. Lengths share a panel."""
+    """The figure of quantities against the only outer axis, broken where the optimum jumps. Lengths
+    share a panel."""
+    breaks = np.flatnonzero(jumps(archive, quantities)) + 1
     lengths = [name for name in names if name in LENGTHS]
     groups = list(dict.fromkeys(tuple(lengths) if name in lengths else (name,) for name in names))
     (outer, x), = archive.outer_axes.items()
@@ -130,8 +150,8 @@ def draw_curves(archive, quantities, names, star):
     for axes, group in zip(panels, groups):
         for name, colour, marker in zip(group, COLOURS, MARKERS):
             values, label = scaled(quantities[name])
-            axes.plot(x, values, color=colour, label=name, marker=marker if len(x) < 50 else "",
-                      markersize=4)
+            axes.plot(*(np.insert(v, breaks, np.nan) for v in (x, values)), color=colour,
+                      label=name, marker=marker if len(x) < 50 else "", markersize=4)
             axes.plot(x[star], values[star], "*", color=colour, markersize=13,
                       markeredgecolor="black", clip_on=False, zorder=3)
         axes.set_ylim(limits([scaled(quantities[name])[0] for name in group], 0.05))
@@ -179,6 +199,8 @@ def picture(archive, names):
     title = ", ".join([title, *archive.conditions()])
     if not archive.complete:
         title += f"; {archive.progress()}"
+    if archive.scenes.ndim == 1 and jumps(archive, quantities).any():
+        title += "\ncurves break where the optimum jumps to another local maximum"
     value = quantities["value"]
     factor, unit = readable_unit(value.unit, abs(value.values[star]))
     amount = f"{archive.objective[0]} {factor * value.values[star]:.6g} {unit}".rstrip()

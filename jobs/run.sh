@@ -53,7 +53,7 @@ fi
 $python analysis/heatmap.py "$archive" -o "results/$name.png"
 # The optimum between the designs of the lattice, if there is one: what `trebsweep optimum` reports, its swing and its
 # neighbourhood. The job is the archive's, with an accurate solver.
-design=$($python analysis/optimum.py "$archive" --continuous --job "results/$name-optimum.cfg")
+design=$($python analysis/optimum.py "$archive" --continuous --job "results/$name-optimum.cfg" --overwrite)
 if [[ -n $design ]]; then
   mpirun -n "$ranks" $program optimum "results/$name-optimum.cfg" | tee "results/$name-optimum.txt"
   # shellcheck disable=SC2086  # three options with their values

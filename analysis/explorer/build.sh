@@ -1,27 +1,29 @@
 #!/usr/bin/env bash
 # Installs missing Debian packages and builds the explorer: one HTML file that any browser opens from disk.
 #
-#   analysis/explorer/build.sh [-o FILE] [--archive ARCHIVE [--at KEY=VALUE]...]     default: results/explorer.html
+#   analysis/explorer/build.sh [-o FILE [--overwrite]] [--archive ARCHIVE [--at KEY=VALUE]...]
 #
-# With an archive, the page also shows the stored planes through its optimum. --at selects a scene of a study.
+# The default is results/explorer.html, which is replaced; any other file is replaced only with --overwrite. With an
+# archive, the page also shows the stored planes through its optimum. --at selects a scene of a study.
 set -euo pipefail
 
-usage() { sed -n '2,6s/^# \{0,1\}//p' "$0"; }
+usage() { sed -n '2,7s/^# \{0,1\}//p' "$0"; }
 refuse() { echo "analysis/explorer/build.sh: $1" >&2; exit 2; }
 
-page='' archive='' scene=()
+page='' archive='' options=()
 while [[ $# -gt 0 ]]; do
   case $1 in
     -h | --help) usage; exit 0 ;;
     -o) [[ -n ${2:-} ]] || refuse "-o: needs the path of the page"; page=$(realpath -m -- "$2"); shift 2 ;;
     --archive) [[ -f ${2:-} ]] || refuse "--archive ${2:-}: must be the path of an archive"
                archive=$(realpath -- "$2"); shift 2 ;;
-    --at) [[ -n ${2:-} ]] || refuse "--at: needs KEY=VALUE"; scene+=(--at "$2"); shift 2 ;;
+    --at) [[ -n ${2:-} ]] || refuse "--at: needs KEY=VALUE"; options+=(--at "$2"); shift 2 ;;
+    --overwrite) options+=(--overwrite); shift ;;
     *) refuse "$1: unknown option" ;;
   esac
 done
 cd "$(dirname "$0")/../.."
-page=${page:-$PWD/results/explorer.html}
+[[ -n $page ]] || { page=$PWD/results/explorer.html; options+=(--overwrite); }
 
 packages=(clang libboost-dev libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 libclang-rt-14-dev-wasm32 lld python3 wasi-libc)
 [[ -z $archive ]] || packages+=(python3-h5py)
@@ -44,5 +46,5 @@ if [[ ! -e $module || -n $(find include analysis/explorer/{build.sh,*.?pp} -newe
 fi
 
 python=$([[ -x /usr/bin/python3 ]] && echo /usr/bin/python3 || echo python3)
-$python -B analysis/explorer/bundle.py $module "$page" ${archive:+--archive "$archive"} "${scene[@]}"
+$python -B analysis/explorer/bundle.py $module "$page" ${archive:+--archive "$archive"} "${options[@]}"
 echo "$page"

@@ -15,7 +15,7 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(1, os.path.dirname(HERE))
 
-from program import Parser, fail, refuse, refuse_overwriting, run  # noqa: E402  # in analysis/
+from program import Parser, check_new, refuse, run, write_text  # noqa: E402  # in analysis/
 
 JOBS = os.path.join(HERE, "..", "..", "jobs")
 
@@ -76,20 +76,14 @@ def main():
     parser.add_argument("output", metavar="OUTPUT", help="the HTML file to write")
     parser.add_argument("--archive", metavar="ARCHIVE", help="an archive whose planes are shown too")
     parser.add_scene()
+    parser.add_overwrite()
     arguments = parser.parse_args()
     if arguments.at and not arguments.archive:
         key, value = arguments.at[0]
         refuse("at", f"{key}={value:g}", "must be given with --archive")
-    if arguments.archive:
-        refuse_overwriting("output", arguments.output, arguments.archive)
-    text = page(arguments.module, arguments.archive, arguments.at)
-    partial = arguments.output + ".partial"
-    try:
-        with open(partial, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(partial, arguments.output)  # never half a page
-    except OSError as error:
-        fail(f"{arguments.output}: cannot be written: {error.strerror}")
+    inputs = filter(None, (arguments.module, arguments.archive))
+    check_new("output", arguments.output, arguments.overwrite, *inputs)
+    write_text(arguments.output, page(arguments.module, arguments.archive, arguments.at))
 
 
 if __name__ == "__main__":

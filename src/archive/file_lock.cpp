@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/base/message.hpp"
 
 namespace trebsweep {
 namespace {
@@ -124,11 +125,10 @@ FileLock::FileLock(const fs::path& path) : path_(path) {
     if (result == LockResult::held)
       refuse(fmt::format("another run is writing it: {} is held by {}", path.string(), former));
     if (result == LockResult::unsupported)
-      fmt::print(
-          stderr,
+      print_message(fmt::format(
           "trebsweep: {}: file locking does not work here ({}); make sure that no other run writes "
           "the same archive\n",
-          path.string(), std::strerror(errno));
+          path.string(), std::strerror(errno)));
     if (has_path(file_, path)) break;
     close(file_);
   }

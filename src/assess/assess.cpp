@@ -12,6 +12,7 @@
 #include "trebsweep/assess/assessment_tables.hpp"
 #include "trebsweep/assess/cases.hpp"
 #include "trebsweep/assess/measurement.hpp"
+#include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/base/version.hpp"
 
@@ -44,11 +45,11 @@ std::vector<Table> assess(const Job& job, const AssessOptions& options, MPI_Comm
   const double start = MPI_Wtime();
   const bool reports = options.progress && mpi::rank(comm) == 0;
   const auto report = [&](const std::string& stage) {
-    if (reports) fmt::print(stderr, "{:6.1f} s  {}\n", MPI_Wtime() - start, stage);
+    if (reports) print_message(fmt::format("{:6.1f} s  {}\n", MPI_Wtime() - start, stage));
   };
   OutputState output;  // on rank 0 only
   mpi::on_root(comm, [&] { output = reserve_output(job, options.overwrite); });
-  std::vector<Case> cases = make_cases(job, comm);
+  std::vector<Case> cases = make_cases(job, options.job_name, comm);
 
   report("references in quadruple precision");
   compute_references(cases, comm);

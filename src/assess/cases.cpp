@@ -1,7 +1,6 @@
 #include "trebsweep/assess/cases.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 #include <span>
 
@@ -55,20 +54,18 @@ Case make_case(const std::string& name, const Job& job, bool extreme, std::size_
 
 }  // namespace
 
-std::vector<Case> make_cases(const Job& job, MPI_Comm comm) {
+std::vector<Case> make_cases(const Job& job, const std::string& own, MPI_Comm comm) {
   std::vector<Case> cases;
   const auto add = [&](const std::vector<std::string>& paths, bool extreme) {
     for (const std::string& path : paths) {
       const Job scene = load_job(path, job.assess.overrides, comm);
       require_one_scene(scene, "assess takes one scene from each file, also from " + path);
-      cases.push_back(make_case(std::filesystem::path(path).stem().string(), scene, extreme,
-                                job.assess.designs, comm));
+      cases.push_back(make_case(job_name(path), scene, extreme, job.assess.designs, comm));
     }
   };
   add(job.assess.scenes, false);
   if (cases.empty() && job.assess.extremes.empty())
-    cases.push_back(make_case(std::filesystem::path(job.output.file).stem().string(), job, false,
-                              job.assess.designs, comm));
+    cases.push_back(make_case(own, job, false, job.assess.designs, comm));
   add(job.assess.extremes, true);
   return cases;
 }

@@ -41,7 +41,9 @@ double rounded_sum(double first, std::size_t n, double step) {
 
 double to_seconds(const std::string& key, const std::string& value) {
   const auto refuse_time = [&] {
-    refuse(key, value, "a time above 0, in seconds or as [[days-]hours:]minutes:seconds");
+    refuse(key, value,
+           "a time above 0, in seconds or as [[days-]hours:]minutes:seconds, with seconds and "
+           "minutes below 60 and hours below 24 after a larger unit");
   };
   constexpr std::array units{1.0, 60.0, 3600.0, 86400.0};
   double seconds = 0;
@@ -55,6 +57,7 @@ double to_seconds(const std::string& key, const std::string& value) {
     seconds += number * units[unit];
     if (cut == rest.npos) break;
     if (unit + 1 == units.size() || (unit == 2) != (rest[cut] == '-')) refuse_time();
+    if (number * units[unit] >= units[unit + 1]) refuse_time();
     rest = rest.substr(0, cut);
   }
   if (!positive.contains(seconds)) refuse_time();

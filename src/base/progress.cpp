@@ -4,10 +4,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <utility>
+
+#include "trebsweep/base/message.hpp"
 
 namespace trebsweep {
 namespace {
@@ -60,12 +61,11 @@ void Progress::update(std::uint64_t done) {
   if (bar) {
     constexpr int width = 30;
     const int filled = static_cast<int>(width * share);
-    fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:<60}{}", "", filled, "", width - filled, numbers,
-               complete ? "\n" : "");
+    print_message(fmt::format("\r[{:#<{}}{:.<{}}] {:<60}{}", "", filled, "", width - filled,
+                              numbers, complete ? "\n" : ""));
   } else {
-    fmt::print(stderr, "{}\n", numbers);
+    print_message(numbers + "\n");
   }
-  std::fflush(stderr);
 }
 
 }  // namespace trebsweep

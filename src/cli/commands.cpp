@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 #include <mpi.h>
 
-#include <cstdio>
-
 #include "trebsweep/assess/assess.hpp"
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/base/version.hpp"
 #include "trebsweep/cli/info.hpp"
@@ -28,34 +27,37 @@ bool is_root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
 
 void print_summary(const Summary& summary, const Job& job) {
   const int ranks = mpi::size(MPI_COMM_WORLD);
-  fmt::print("scene     {}\nsolver    {}\n{} on {} {}\narchive   {}\n", scene_text(job),
-             solver_text(job.solver), to_text(summary, job), ranks, ranks == 1 ? "rank" : "ranks",
-             job.output.file);
-  std::fflush(stdout);  // before the warnings on stderr; main checks stdout for errors
-  for (const std::string& line : summary.warnings) fmt::print(stderr, "warning: {}\n", line);
+  const std::string axes = trough_axes_text(job);
+  print_result(fmt::format("scene     {}\n{}solver    {}\n{} on {} {}\narchive   {}\n",
+                           scene_text(job), axes.empty() ? "" : "axes      " + axes + "\n",
+                           solver_text(job.solver), to_text(summary, job), ranks,
+                           ranks == 1 ? "rank" : "ranks", job.output.file));
+  for (const std::string& line : summary.warnings) print_message("warning: " + line + "\n");
 }
 
 void print_stopped(const Summary& summary, bool overwrite) {
   if (summary.partial_created)
-    fmt::print(stderr,
-               "trebsweep: stopped with {} designs done; the same command continues the sweep{}\n",
-               summary.designs(), overwrite ? ", without --overwrite" : "");
+    print_message(fmt::format(
+        "trebsweep: stopped with {} designs done; the same command continues the sweep{}\n",
+        summary.designs(), overwrite ? ", without --overwrite" : ""));
   else
-    fmt::print(stderr,
-               "trebsweep: stopped before the archive was created; the same command starts the "
-               "sweep again\n");
+    print_message(
+        "trebsweep: stopped before the archive was created; the same command starts the "
+        "sweep again\n");
 }
 
 void run_trace(const CommandLine& line) {
   const Job job = load_job(line.file, line.overrides);
   require_one_scene(job, "trace integrates one scene");
   const auto print = line.flight ? trace_flight : trace;
-  const Status status = print(job, line.design, line.interval, stdout);
+  const auto [status, problems] = print(job, line.design, line.interval, stdout);
+  if (!problems.empty())
+    fmt::print(stderr, "warning: the design cannot be built: {}\n", to_text(problems));
   if (status == Status::released_below_ground)
-    fmt::print(stderr, "no flight: {}: {}\n", name_of(status), meaning_of(status));
+    print_message(fmt::format("no flight: {}: {}\n", name_of(status), meaning_of(status)));
   else if (status != Status::released)
-    fmt::print(stderr, "the swing ends without a release: {}: {}\n", name_of(status),
-               meaning_of(status));
+    print_message(fmt::format("the swing ends without a release: {}: {}\n", name_of(status),
+                              meaning_of(status)));
 }
 
 }  // namespace
@@ -72,9 +74,9 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
   const auto summary = sweep(job, options, MPI_COMM_WORLD);
   if (!summary) {
     if (is_root())
-      fmt::print(stderr,
-                 "{} holds the complete archive of this job; --overwrite computes it again\n",
-                 job.output.file);
+      print_message(
+          fmt::format("{} holds the complete archive of this job; --overwrite computes it again\n",
+                      job.output.file));
     return complete;
   }
   if (!summary->complete) {
@@ -94,39 +96,40 @@ int run_optimum(const CommandLine& line) {
                                .progress = line.progress};
   try {
     const auto result = find_optimum(job, options, MPI_COMM_WORLD);
-    if (is_root()) fmt::print("{}\n", line.json ? to_json(*result, job) : to_text(*result, job));
+    if (is_root()) print_result((line.json ? to_json(*result, job) : to_text(*result, job)) + "\n");
     return complete;
   } catch (const NoOptimum& error) {
-    if (is_root()) fmt::print(stderr, "trebsweep: {}\n", error.what());
+    if (is_root()) print_message(fmt::format("trebsweep: {}\n", error.what()));
     return no_optimum;
   }
 }
 
 void run_assess(const CommandLine& line, const std::string& command) {
-  Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
+  Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD, assessment_ending);
   require_one_scene(job, "assess takes one scene from each file");
   for (const auto& [name, value] : line.overrides)
     if (!name.starts_with("assess.") && !name.starts_with("output."))
       job.assess.overrides[name] = value;
   const AssessOptions options{.overwrite = line.overwrite,
                               .progress = line.progress != ProgressStyle::none,
-                              .command = command};
+                              .command = command,
+                              .job_name = job_name(line.file)};
   const auto tables = assess(job, options, MPI_COMM_WORLD);
   if (!is_root()) return;
   for (const Table& table : tables)
-    if (const std::string text = to_text(table); !text.empty()) fmt::print("{}\n", text);
-  fmt::print("archive   {}\n", job.output.file);
+    if (const std::string text = to_text(table); !text.empty()) print_result(text + "\n");
+  print_result(fmt::format("archive   {}\n", job.output.file));
 }
 
 void run_serial(const CommandLine& line) {
   switch (line.command) {
     case Command::help:
-      return fmt::print("{}", line.help);
+      return print_result(line.help);
     case Command::version:
-      return fmt::print("{}\nkernel: {}\n", version_text(), instruction_set());
+      return print_result(fmt::format("{}\nkernel: {}\n", version_text(), instruction_set()));
     case Command::info:
       if (line.verify) return verify_archive(line.file, line.progress, stdout);
-      return fmt::print("{}", describe_archive(line.file));
+      return print_result(describe_archive(line.file));
     case Command::trace:
       return run_trace(line);
     case Command::sweep:

@@ -13,8 +13,8 @@ const char* const sweep_help =
 
 Integrates every design (r1, r3, r2) of the job's lattice and writes maps of
 the results to one HDF5 archive (output.file). The summary goes to stdout,
-progress and warnings about doubtful results go to stderr. Until the archive is
-complete, its name ends in .partial.
+progress and warnings about doubtful results and optima that cannot be built go
+to stderr. Until the archive is complete, its name ends in .partial.
 
 A key of [scene] with several numbers (first:last:step, or a list) makes the
 sweep a study: it visits every combination of such keys, the maps have their
@@ -54,7 +54,9 @@ const char* const trace_help =
 
 Integrates one design from rest to its release and prints the swing as a table
 to stdout: comment lines (#) with the heights of fulcrum and trough, the release
-rule and the times of lift-off and release, then a header and a row per time.
+rule, the times of lift-off and release, and where and when the swing is closest
+to the ground and the tensions of sling and hanger are least, then a header and a
+row per time. A warning on stderr says in what the design cannot be built.
 Positions are relative to the fulcrum. The columns are
   t            time, s
   phi1         angle of the counterweight arm from the upward vertical,
@@ -100,7 +102,8 @@ Compares steppers on a sample of the designs of each scene in
 assess.scenes, with references in quadruple precision: error, steps and run time
 of each setting, order of convergence, largest stable step, error over the whole
 lattice, and the cheapest solver for a target error. The tables go to stdout and
-to the archive (output.file), where each is a group that xarray can open.
+to the archive (output.file, by default JOB-assess.h5), where each is a group
+that xarray can open.
 
 )";
 
@@ -138,9 +141,11 @@ Usage:
 
 sweep, optimum and assess run in parallel: mpirun -n RANKS trebsweep sweep JOB
 
-JOB is a text file with keys and values; jobs/paper.cfg shows all of them. Every
-key is also an option, which takes precedence: --solver.tolerance 1e-9. The value
-of a scene key is taken from the first of these that sets it:
+JOB is a text file with keys and values; jobs/paper.cfg shows all of them. If it
+is -, the job is read from stdin, and its archive is called job.h5 or, of assess,
+job-assess.h5, unless output.file names it. Every key is also an option, which
+takes precedence: --solver.tolerance 1e-9. The value of a scene key is taken from
+the first of these that sets it:
   1. the option --scene.KEY
   2. the file named by the option --scene.file
   3. the section [scene] of the job file

@@ -1,5 +1,7 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,9 +13,11 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <system_error>
 #include <thread>
 
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/cli/command_line.hpp"
 #include "trebsweep/cli/commands.hpp"
@@ -35,18 +39,11 @@ bool is_parallel(std::span<char*> arguments) {
          std::none_of(arguments.begin(), arguments.end(), is("-h"));
 }
 
-/// Whether a launcher (of Open MPI, MPICH or Slurm) started this process as a rank other than 0.
-bool is_other_rank() {
-  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID"})
-    if (const char* rank = std::getenv(name)) return rank != std::string_view("0");
-  return false;
-}
-
 /// Aborts all ranks after a failure of one. Neither MPI nor HDF5 is finalized: HDF5 1.10 crashes
 /// there after a failed write.
 [[noreturn]] void abort_all_ranks(const std::exception& error, const std::string& prefix) {
   std::fflush(stdout);  // what was printed before the failure
-  fmt::print(stderr, "trebsweep: {}{}\n", prefix, error.what());
+  print_message(fmt::format("trebsweep: {}{}\n", prefix, error.what()));
   MPI_Abort(MPI_COMM_WORLD, 1);
   std::abort();
 }
@@ -65,17 +62,29 @@ bool is_other_rank() {
   }
 }
 
+/// Reports that stdout could not be written, and why. Returns the exit code.
+int report_stdout(const std::error_code& why) {
+  if (why == std::errc::broken_pipe) {  // as for `trebsweep trace ... | head`: ends silently, like
+                                        // other programs
+    std::signal(SIGPIPE, SIG_DFL);
+    std::raise(SIGPIPE);
+  }
+  print_message(fmt::format("trebsweep: cannot write to stdout: {}\n", why.message()));
+  return 1;
+}
+
 /// Runs a command and returns the exit code: that of the command, 1 if stdout could not be written,
 /// or 2 for an InputError, which is printed if `print_error`.
 template <class Run>
 int exit_code(bool print_error, Run run) {
   try {
     const int code = run();
-    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
-    std::perror("trebsweep: cannot write to stdout");
-    return 1;
+    print_result("");  // reports what the buffer still holds
+    return code;
+  } catch (const OutputError& error) {
+    return report_stdout(error.code());
   } catch (const InputError& error) {
-    if (print_error) fmt::print(stderr, "trebsweep: {}\n", printable(error.what()));
+    if (print_error) print_message(fmt::format("trebsweep: {}\n", printable(error.what())));
     return 2;
   }
 }
@@ -85,8 +94,10 @@ int serial_main(int argc, char** argv) {
   try {
     return exit_code(true, [&] { return run_serial(parse_command_line(argc, argv)), 0; });
   } catch (const std::exception& error) {
+    const auto* failure = dynamic_cast<const std::system_error*>(&error);
+    if (failure && std::ferror(stdout)) return report_stdout(failure->code());
     std::fflush(stdout);  // what was printed before the failure
-    fmt::print(stderr, "trebsweep: {}\n", error.what());
+    print_message(fmt::format("trebsweep: {}\n", error.what()));
     return 1;
   }
 }
@@ -117,13 +128,22 @@ int parallel_main(int argc, char** argv) {
   }
 }
 
+/// Keeps descriptors 0 to 2 from becoming those of other files, such as an archive, if they are
+/// closed. Reading and writing them fails as before.
+void occupy_standard_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(descriptor, F_GETFD) < 0)
+      static_cast<void>(open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  occupy_standard_descriptors();
+  std::signal(SIGPIPE, SIG_IGN);  // a message that nobody reads must not end the program
   // With HDF5's own locks a reader of a partial archive would block the sweep that continues it,
   // and they have hung on network file systems. FileLock excludes concurrent sweeps instead.
   setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
-  if (is_parallel(std::span(argv, argv + argc))) return parallel_main(argc, argv);
-  // Without MPI only rank 0 runs the command.
-  return is_other_rank() ? 0 : serial_main(argc, argv);
+  const bool parallel = is_parallel(std::span(argv, argv + argc));
+  return parallel ? parallel_main(argc, argv) : serial_main(argc, argv);
 }

@@ -4,13 +4,13 @@
 
 #include <array>
 #include <cmath>
-#include <span>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/cli/followed_swing.hpp"
 #include "trebsweep/model/start.hpp"
 #include "trebsweep/ode/any_stepper.hpp"
 #include "trebsweep/swing/flight.hpp"
@@ -45,42 +45,15 @@ void check_interval(std::optional<double> interval, double duration, std::string
         fmt::format("at least {:g} s, which makes {:g} rows up to {}", shortest, max_rows, name));
 }
 
-/// A swing that is traced: how it ends, and when the projectile leaves the trough, if it does (s).
-template <Effects E>
-struct TracedSwing {
-  Outcome<double, E> outcome;
-  std::optional<double> lift_off;
-};
-
-/// Integrates the swing. `fields` may hold one field.
-template <Effects E>
-TracedSwing<E> find_events(const Job& job, const Design<double>& design,
-                           std::span<const Field> fields) {
-  const Motion<double, E> sliding(job.scene, design);
-  const auto force = [&](const Instant<double, E>& at) {
-    return sliding.normal_force(at.x, at.directions);
-  };
-  const double weight = job.scene.projectile_mass * job.scene.gravity;
-  std::optional<double> lift_off;
-  if (E.trough && force(instant(sliding, 0, start<double, E>(job.scene, design))) <= 0)
-    lift_off = 0;
-  // The last step in the trough ends with the lift-off, where the normal force is zero up to the
-  // precision of root finding.
-  const auto observe = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
-    if (!lift_off && force(to) <= 1e-6 * (weight + force(from))) lift_off = to.t;
-  };
-  double value = 0;
-  const auto outcome =
-      swing<E>(job.scene, design, job.solver, E.trough ? Observer<E>(observe) : Observer<E>(),
-               fields, {&value, fields.size()});
-  if (outcome.status == Status::never_lifted) lift_off.reset();  // released before the lift-off
-  return {outcome, lift_off};
+/// A least value, and when (s) it is.
+void print_least(std::string_view key, const Least& least, std::FILE* out) {
+  fmt::print(out, "# {} = {:.12g}\n# {}-time = {:.12g}\n", key, least.value, key, least.t);
 }
 
 /// The comments above the header, from which analysis/trajectory.py draws ground, trough, lift-off
-/// and release.
+/// and release. The least values are those of a sweep's fields of the same names.
 template <Effects E>
-void print_comments(const Job& job, const TracedSwing<E>& swing, std::FILE* out) {
+void print_comments(const Job& job, const FollowedSwing<E>& swing, std::FILE* out) {
   const Scene& scene = job.scene;
   const Solver& solver = job.solver;
   fmt::print(out, "# fulcrum-height = {}\n", scene.fulcrum_height);
@@ -95,6 +68,11 @@ void print_comments(const Job& job, const TracedSwing<E>& swing, std::FILE* out)
   if (swing.lift_off) fmt::print(out, "# lift-off-time = {:.12g}\n", *swing.lift_off);
   if (has_speed(swing.outcome.status))
     fmt::print(out, "# release-time = {:.12g}\n", swing.outcome.t);
+  const auto [body, height] = swing.least.lowest();
+  print_least("ground-clearance", height, out);
+  fmt::print(out, "# ground-clearance-of = {}\n", body);
+  print_least("least-sling-tension", swing.least.sling_tension, out);
+  if (E.hanger) print_least("least-hanger-tension", swing.least.hanger_tension, out);
 }
 
 /// The names and values of a row, from left to right.
@@ -223,31 +201,36 @@ FlightInstant<double, 4> impact_after(const Scene& scene, FlightInstant<double, 
   return at;
 }
 
+template <Effects E>
+Traced traced(const Scene& scene, const FollowedSwing<E>& swing) {
+  return {swing.outcome.status, build_problems(scene, swing.least.build_values())};
+}
+
 }  // namespace
 
-Status trace(const Job& job, const Design<double>& design, std::optional<double> interval,
+Traced trace(const Job& job, const Design<double>& design, std::optional<double> interval,
              std::FILE* out) {
   check_start(job.scene, design);
   check_interval(interval, job.solver.max_time, "max-time");
   return with_effects(job.scene, [&]<Effects E>() {
     if (!interval && follows_tolerance(job.solver.stepper)) interval = default_interval;
     // Once for the comments, and again for the rows below them.
-    const auto events = find_events<E>(job, design, {});
+    const auto events = follow_swing<E>(job, design, {});
     print_comments(job, events, out);
     Printer<E> printer(job, design, interval, events.lift_off, out);
     swing<E>(job.scene, design, job.solver, std::ref(printer));
     printer.finish(events.outcome);
-    return events.outcome.status;
+    return traced(job.scene, events);
   });
 }
 
-Status trace_flight(const Job& job, const Design<double>& design, std::optional<double> interval,
+Traced trace_flight(const Job& job, const Design<double>& design, std::optional<double> interval,
                     std::FILE* out) {
   const Scene& scene = job.scene;
   check_start(scene, design);
   return with_effects(scene, [&]<Effects E>() {
     constexpr std::array fields{Field::range};  // a release below the ground then has its status
-    const auto events = find_events<E>(job, design, fields);
+    const auto events = follow_swing<E>(job, design, fields);
     const Outcome<double, E>& end = events.outcome;
     const auto print_row = [&](const FlightInstant<double, 4>& at) {
       print_values(flight_row(scene, end.t, at), out);
@@ -258,7 +241,7 @@ Status trace_flight(const Job& job, const Design<double>& design, std::optional<
     };
     if (end.status != Status::released) {
       print_above_rows();
-      return end.status;
+      return traced(scene, events);
     }
 
     const Mechanism<double, E> mechanism(scene, design);
@@ -273,7 +256,7 @@ Status trace_flight(const Job& job, const Design<double>& design, std::optional<
       fly_until(scene, row * interval.value_or(default_interval), flight_tolerance, at);
     }
     print_row(impact);
-    return end.status;
+    return traced(scene, events);
   });
 }
 

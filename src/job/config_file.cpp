@@ -1,6 +1,8 @@
 #include "trebsweep/job/config_file.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <boost/algorithm/string/trim.hpp>
@@ -11,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "trebsweep/base/error.hpp"
 
@@ -72,6 +75,21 @@ bool is_binary(const std::string& text) {
   });
 }
 
+constexpr std::size_t max_size = 1 << 20;  // of a job file
+
+[[noreturn]] void refuse_file(const std::string& name, const std::string& why) {
+  throw InputError(fmt::format("{}: {}; give the path of a readable text file", name, why));
+}
+
+/// The content of a job file, without a byte-order mark. Throws InputError if it is not text, or
+/// too long.
+std::string checked_text(std::string content, const std::string& name) {
+  if (content.starts_with("\xef\xbb\xbf")) content.erase(0, 3);
+  if (is_binary(content)) refuse_file(name, "is not a text file");
+  if (content.size() > max_size) refuse_file(name, "is longer than 1 MiB");
+  return content;
+}
+
 }  // namespace
 
 std::map<std::string, std::string> parse_config(const std::string& text, const std::string& name) {
@@ -90,27 +108,38 @@ std::map<std::string, std::string> parse_config(const std::string& text, const s
 }
 
 std::string read_job_file(const std::string& path, const std::string& what) {
-  const auto refuse_file = [&](const std::string& why) {
-    throw InputError(
-        fmt::format("{}{}: {}; give the path of a readable text file", what, shortened(path), why));
-  };
+  const std::string name = what + shortened(path);
   namespace fs = std::filesystem;
   std::error_code unknown;  // opening the file reports the reason
-  if (fs::is_directory(path, unknown)) refuse_file("is a directory");
+  if (fs::is_directory(path, unknown)) refuse_file(name, "is a directory");
   // Reading a FIFO or a device could block forever.
   if (fs::exists(path, unknown) && !fs::is_regular_file(path, unknown))
-    refuse_file("is not a regular file");
+    refuse_file(name, "is not a regular file");
   std::ifstream file(path, std::ios::binary);
-  if (!file) refuse_file(std::strerror(errno));
-  constexpr std::size_t max_size = 1 << 20;
+  if (!file) refuse_file(name, std::strerror(errno));
   std::string content(max_size + 1, '\0');
   file.read(content.data(), static_cast<std::streamsize>(content.size()));
-  if (file.bad()) refuse_file(std::strerror(errno));
+  if (file.bad()) refuse_file(name, std::strerror(errno));
   content.resize(static_cast<std::size_t>(file.gcount()));
-  if (content.starts_with("\xef\xbb\xbf")) content.erase(0, 3);  // a byte-order mark
-  if (is_binary(content)) refuse_file("is not a text file");
-  if (content.size() > max_size) refuse_file("is longer than 1 MiB");
-  return content;
+  return checked_text(std::move(content), name);
+}
+
+std::string read_job_from_stdin() {
+  const std::string name = "job file - (stdin)";
+  std::string content(max_size + 1, '\0');
+  std::size_t size = 0;
+  while (size < content.size()) {
+    // A sweep's signals interrupt poll, but not read: Ctrl-C must end a wait for the terminal.
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    const auto count =
+        poll(&input, 1, -1) < 0 ? -1 : read(STDIN_FILENO, &content[size], content.size() - size);
+    if (count < 0) refuse_file(name, std::strerror(errno));
+    if (count == 0) break;
+    size += static_cast<std::size_t>(count);
+  }
+  if (size == 0) refuse_file(name, "is empty");
+  content.resize(size);
+  return checked_text(std::move(content), name);
 }
 
 }  // namespace trebsweep

@@ -11,20 +11,6 @@
 #include "trebsweep/base/number.hpp"
 
 namespace trebsweep {
-namespace {
-
-/// The constraint with a text, if it is one.
-std::optional<Constraint> parse_constraint(const std::string& text) {
-  const auto sign = std::min(text.find("<="), text.find(">="));
-  if (sign == text.npos) return std::nullopt;
-  const auto field = to_quantity(boost::trim_copy(text.substr(0, sign)));
-  double limit = 0;
-  const bool is_number = parse_number(boost::trim_copy(text.substr(sign + 2)), limit);
-  if (!field || !is_number || !std::isfinite(limit)) return std::nullopt;
-  return Constraint{*field, text[sign] == '<', limit};
-}
-
-}  // namespace
 
 std::optional<Field> to_quantity(std::string_view name) {
   for (const FieldInfo& info : field_info)
@@ -45,12 +31,17 @@ std::string to_text(const Constraint& constraint) {
 }
 
 Constraint to_constraint(const std::string& key, const std::string& text) {
-  const auto constraint = parse_constraint(text);
-  if (!constraint)
-    refuse(key, text,
-           fmt::format("FIELD <= NUMBER or FIELD >= NUMBER, where FIELD is one of {}",
-                       quantity_names()));
-  return *constraint;
+  const auto check = [&](bool valid, const std::string& why) {
+    if (!valid) refuse(key, text, "FIELD <= NUMBER or FIELD >= NUMBER, " + why);
+  };
+  const auto sign = std::min(text.find("<="), text.find(">="));
+  check(sign != text.npos, "with the sign <= or >=, which includes the limit");
+  const auto field = to_quantity(boost::trim_copy(text.substr(0, sign)));
+  check(field.has_value(), "where FIELD is one of " + quantity_names());
+  double limit = 0;
+  const bool is_number = parse_number(boost::trim_copy(text.substr(sign + 2)), limit);
+  check(is_number && std::isfinite(limit), "where NUMBER is finite, without a unit");
+  return {*field, text[sign] == '<', limit};
 }
 
 }  // namespace trebsweep

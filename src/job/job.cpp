@@ -11,6 +11,7 @@
 #include "trebsweep/job/config_file.hpp"
 #include "trebsweep/job/key.hpp"
 #include "trebsweep/job/rules.hpp"
+#include "trebsweep/job/study.hpp"
 
 namespace trebsweep {
 namespace {
@@ -66,6 +67,14 @@ void add_missing(Values& higher, const Values& lower) {
   higher.insert(lower.begin(), lower.end());  // keeps existing values
 }
 
+/// The lattice of a job with a trough, whose scenes have one lattice: the values of their keys
+/// ascend.
+LatticeSpec with_trough_axes(const Job& job, bool has_increment) {
+  const Scene highest = scene_at(job, count_scenes(job) - 1);
+  return with_trough_axes(job.lattice, has_increment, job.scene.fulcrum_height,
+                          highest.fulcrum_height);
+}
+
 /// When a solver releases the projectile, to follow "release".
 std::string release_text(const Solver& solver) {
   switch (solver.release) {
@@ -97,7 +106,12 @@ std::string brief_value(const Key& key, const Job& job) {
 
 }  // namespace
 
-Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides) {
+std::string job_name(const std::string& path) {
+  return path == stdin_path ? "job" : std::filesystem::path(path).stem().string();
+}
+
+Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides,
+              const std::string& ending) {
   const auto directory = std::filesystem::path(name).parent_path();
   const Values in_job = parse_values(text, name);
   Job job;
@@ -110,11 +124,12 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
   if (overrides.count(scene_file_key)) add_scene_file(overrides.at(scene_file_key));
   add_missing(given, in_job);
   if (in_job.count(scene_file_key)) add_scene_file(directory / in_job.at(scene_file_key));
-  given.emplace("output.file", std::filesystem::path(name).stem().string() + ".h5");
+  given.emplace("output.file", job_name(name) + ending);
 
   for (const Key& key : job_keys())
     if (const auto value = given.find(key.name); value != given.end()) key.set(job, value->second);
   check_rules(job, given);
+  if (job.scene.trough) job.lattice = with_trough_axes(job, given.contains("lattice.increment"));
   // Paths in the job file are relative to its directory, paths in options to the working directory.
   const auto resolve = [&](const char* key, std::vector<std::string>& paths) {
     if (overrides.count(key)) return;
@@ -151,6 +166,18 @@ std::string scene_text(const Job& job) {
   return printable(fmt::format("{}{}{}", files, files.empty() ? "" : ": ",
                                differing.empty() ? "the paper's (all keys at their defaults)"
                                                  : fmt::format("{}", fmt::join(differing, ", "))));
+}
+
+std::string trough_axes_text(const Job& job) {
+  if (!job.scene.trough) return "";
+  Job defaults = job;
+  defaults.lattice.r3 = defaults.lattice.r2 = std::nullopt;
+  defaults.lattice = with_trough_axes(defaults, true);
+  std::vector<std::string> axes;
+  for (const Key& key : job_keys())
+    if ((key.name == "lattice.r3" || key.name == "lattice.r2") && key.get(job) == key.get(defaults))
+      axes.push_back(fmt::format("{} = {}", key_of(key.name), key.get(job)));
+  return axes.empty() ? "" : fmt::format("{} m (default with a trough)", fmt::join(axes, ", "));
 }
 
 std::string solver_text(const Solver& solver) {

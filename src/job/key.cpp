@@ -170,7 +170,9 @@ const std::vector<Key>& job_keys() {
           "horizontal speed of the wind, positive in the direction of the throw", "m/s",
           number(winds), &Scene::wind),
 
-      key("lattice.increment", "spacing dr of the lattice along every axis not given below", "m",
+      key("lattice.increment",
+          "spacing dr of the lattice along every axis not given below; with a trough, unless r3 and "
+          "r2 are given, the default is h0 / 30, rounded up to one digit", "m",
           number(physical), &LatticeSpec::increment),
       key("lattice.shortest-sling", "smallest value of r3", "m",
           number(physical), &LatticeSpec::shortest_sling),
@@ -178,10 +180,12 @@ const std::vector<Key>& job_keys() {
           "lengths of the counterweight arm, instead of h - h0 + r4 < r1 < h0 - r4", "m",
           optional_of(axis_range()), &LatticeSpec::r1),
       key("lattice.r3",
-          "lengths of the sling, instead of shortest-sling <= r3 < h0", "m",
+          "lengths of the sling, instead of shortest-sling <= r3 < h0, or about 0.4 h0 <= r3 <= 2.2 "
+          "h0 with a trough", "m",
           optional_of(axis_range()), &LatticeSpec::r3),
       key("lattice.r2",
-          "lengths of the throwing arm, instead of 0 < r2 < h0 - r3", "m",
+          "lengths of the throwing arm, instead of 0 < r2 < h0 - r3, or about 0.4 h0 <= r2 <= 2.2 h0 "
+          "with a trough", "m",
           optional_of(axis_range()), &LatticeSpec::r2),
 
       key("solver.stepper", "stepper (integration method)", "",
@@ -199,9 +203,8 @@ const std::vector<Key>& job_keys() {
           "release condition. crossing: phi1 = release-angle, located by root finding. window: the "
           "paper's rule, the first step with |pi - phi1| < release-window, for fixed-step steppers "
           "only. pin: the sling slips off its pin, where phi1 - phi2 first falls to pin-angle after "
-          "lift-off from the trough, if there is one. farthest: the instant of the largest range "
-          "from lift-off until the arm turns back, phi1 = 3 pi/2, or max-time. fastest: the instant "
-          "of the largest speed within the same interval", "",
+          "lift-off from the trough, if there is one, and before phi1 = 3 pi/2. farthest and fastest: "
+          "the largest range and speed of all pin angles between -pi and pi", "",
           choice<Release>(release_names), &Solver::release),
       key("solver.release-angle", "angle phi1 of release = crossing", "rad",
           number(turn), &Solver::release_angle),
@@ -224,8 +227,9 @@ const std::vector<Key>& job_keys() {
           yes_no(), &Solver::check),
 
       key("output.file",
-          "path of the archive (default: the job file's name with the extension .h5, in the "
-          "working directory)", "",
+          "path of the archive (default: the job file's name with the extension .h5, for an "
+          "assessment with -assess.h5, or job.h5 and job-assess.h5 if the job is read from stdin; in "
+          "the working directory)", "",
           path(), &Output::file),
       key("output.fields", "maps to store", "",
           set_of(choice<Field>(field_names)), &Output::fields),
@@ -255,6 +259,11 @@ const std::vector<Key>& job_keys() {
       key("optimum.refine",
           "whether a sweep also searches for the optimum between the designs of its lattice", "",
           yes_no(), &OptimumSpec::refine),
+      key("optimum.buildable",
+          "whether trebsweep optimum searches only among designs that can be built: whose arm, "
+          "counterweight and projectile stay above the ground, whose rigid sling stays taut, and "
+          "whose release a pin can make", "",
+          yes_no(), &OptimumSpec::buildable),
 
       key("assess.scenes", "scene or job files to assess (default: the job's own scene)", "",
           paths(), &Assessment::scenes),

@@ -14,7 +14,8 @@ bool is_readable_back(const std::string& path) {
 
 AxisRange to_axis(const std::string& key, const std::string& text) {
   const std::string allowed =
-      "first:last:step or a single value, in metres, each from 1e-12 to 1e+12, with first <= last";
+      "first:last:step with a step above 0 and first <= last, or a single value, in metres, each "
+      "from 1e-12 to 1e+12";
   std::vector<std::string> parts;
   boost::split(parts, text, boost::is_any_of(":"));
   std::vector<double> numbers;

@@ -93,18 +93,17 @@ AxisPlan plan_r2(const Scene& scene, const LatticeSpec& spec, double shortest_r3
   return r2;
 }
 
-/// Checks that a trough's lattice is explicit: the bounds (48) and (49), under which the sling
-/// hangs clear of the ground, do not apply to a sling that must reach down to the trough.
-void require_trough_axes(const LatticeSpec& spec) {
-  const auto require = [](const char* key, const std::optional<AxisRange>& axis) {
-    if (!axis)
-      throw InputError(
-          fmt::format("{}: must be given with scene.trough = yes: its default bounds "
-                      "are those of a sling that hangs clear of the ground",
-                      key));
-  };
-  require("lattice.r3", spec.r3);
-  require("lattice.r2", spec.r2);
+/// The whole number of steps nearest to a length, at least one, m.
+double whole_steps(double length, double step) {
+  constexpr double most = 1e18;  // far more than an axis may have
+  const double steps = std::clamp(std::round(length / step), 1.0, most);
+  return rounded_sum(0, static_cast<std::size_t>(steps), step);
+}
+
+/// A thirtieth of the fulcrum's height, rounded up to one digit: at most some 100,000 designs.
+double coarse_increment(double fulcrum_height) {
+  const double least = fulcrum_height / 30, digit = std::pow(10, std::floor(std::log10(least)));
+  return whole_steps(std::ceil(least / digit - rounding_allowance) * digit, digit);
 }
 
 constexpr std::array axis_names{"r1", "r3", "r2"};
@@ -112,8 +111,9 @@ constexpr std::array axis_names{"r1", "r3", "r2"};
 /// The key that sets the step of an axis, for messages.
 std::string step_key(const LatticeSpec& spec, std::size_t axis) {
   const std::array<const std::optional<AxisRange>*, 3> given{&spec.r1, &spec.r3, &spec.r2};
-  return *given[axis] ? fmt::format("lattice.{} with a step", axis_names[axis])
-                      : std::string("lattice.increment");
+  const bool is_own = *given[axis] && (*given[axis])->step != spec.increment;
+  return is_own ? fmt::format("lattice.{} with a step", axis_names[axis])
+                : std::string("lattice.increment");
 }
 
 void check_size(const std::array<AxisPlan, 3>& plans, const LatticeSpec& spec) {
@@ -143,8 +143,19 @@ ArmBounds arm_bounds(const Scene& scene) {
   return {rise, h0 - r4, rise > 0 ? risen : "0", r4 > 0 ? "h0 - r4" : "h0"};
 }
 
+AxisRange trough_axis(double lowest, double highest, double step) {
+  return {whole_steps(0.4 * lowest, step), whole_steps(2.2 * highest, step), step};
+}
+
+LatticeSpec with_trough_axes(LatticeSpec spec, bool has_increment, double lowest, double highest) {
+  if (spec.r3 && spec.r2) return spec;
+  if (!has_increment) spec.increment = coarse_increment(highest);
+  for (auto* const axis : {&spec.r3, &spec.r2})
+    if (!*axis) *axis = trough_axis(lowest, highest, spec.increment);
+  return spec;
+}
+
 Lattice::Lattice(const Scene& scene, const LatticeSpec& spec) {
-  if (scene.trough) require_trough_axes(spec);
   const AxisPlan r1 = plan_r1(scene, spec), r3 = plan_r3(scene, spec);
   const AxisPlan r2 = plan_r2(scene, spec, r3.first);
   check_size({r1, r3, r2}, spec);

@@ -5,26 +5,29 @@
 
 #include <boost/algorithm/string.hpp>
 
+#include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/job/config_file.hpp"
 #include "trebsweep/job/tolerance.hpp"
 
 namespace trebsweep {
 
-Job load_job(const std::string& path, const Overrides& overrides) {
-  Job job = parse_job(read_job_file(path), path, overrides);
+Job load_job(const std::string& path, const Overrides& overrides, const std::string& ending) {
+  const std::string text = path == stdin_path ? read_job_from_stdin() : read_job_file(path);
+  Job job = parse_job(text, path, overrides, ending);
   if (job.solver.target_error > 0) {
     job.solver.tolerance = tolerance_for_target(job);
     job.solver.target_error = 0;  // replaced by the tolerance
-    fmt::print(stderr, "tolerance {:.2g}\n", job.solver.tolerance);
+    print_message(fmt::format("tolerance {:.2g}\n", job.solver.tolerance));
   }
   return job;
 }
 
-Job load_job(const std::string& path, const Overrides& overrides, MPI_Comm comm) {
+Job load_job(const std::string& path, const Overrides& overrides, MPI_Comm comm,
+             const std::string& ending) {
   std::string scene_files;  // one per line
   const std::string text = mpi::text_of_root(comm, [&] {
-    const Job job = load_job(path, overrides);
+    const Job job = load_job(path, overrides, ending);
     scene_files = fmt::format("{}", fmt::join(job.scene_files, "\n"));
     return to_text(job, true);
   });

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <iterator>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/job/study.hpp"
+#include "trebsweep/model/start.hpp"
 
 namespace trebsweep {
 namespace {
@@ -56,6 +58,26 @@ void check_trough(const Scene& scene) {
                   fmt::format("below scene.fulcrum-height = {}", scene.fulcrum_height));
 }
 
+/// By how much the weight that an elastic sling carries stretches it at the start, m.
+double start_stretch(const Scene& scene) {
+  const Design<double> any{std::abs(start_height(scene)), 0,
+                           1};  // r3 = 0: the length is the stretch
+  return start<double, Effects{.elastic = true}>(scene, any)[length];
+}
+
+/// Checks that an elastic sling is not so soft that it starts far below the ground.
+void check_start_stretch(const Scene& scene) {
+  constexpr double most = 10;  // fulcrum heights: more than any machine's arm reaches up
+  if (scene.sling_stiffness == 0) return;
+  const double ratio = start_stretch(scene) / (most * scene.fulcrum_height);
+  if (ratio > 1)
+    refuse_number("scene.sling-stiffness", scene.sling_stiffness,
+                  fmt::format("0 (rigid), or at least {:.3g} N/m: at the start, the weight that "
+                              "the sling carries must not stretch it by more than {} times "
+                              "scene.fulcrum-height = {}",
+                              1.01 * ratio * scene.sling_stiffness, most, scene.fulcrum_height));
+}
+
 void check_sling(const Scene& scene) {
   if (scene.sling_damping > 0 && scene.sling_stiffness == 0)
     refuse_number("scene.sling-damping", scene.sling_damping,
@@ -66,6 +88,7 @@ void check_sling(const Scene& scene) {
                   fmt::format("0 with {}: the equations of an elastic sling do not include {}",
                               hanger ? "scene.counterweight-hanger above 0" : "scene.trough = yes",
                               hanger ? "a hanger" : "a trough"));
+  check_start_stretch(scene);
 }
 
 void check_release(const Solver& solver) {
@@ -86,7 +109,8 @@ std::string why_absent(Field field, const Scene& scene) {
     return "if scene.beam-side is 0: the beam then has no cross-section";
   if (field == Field::lift_off_time && !scene.trough)
     return "unless scene.trough is yes: there is no lift-off without a trough";
-  if (field == Field::peak_hanger_tension && scene.counterweight_hanger == 0)
+  if ((field == Field::peak_hanger_tension || field == Field::least_hanger_tension) &&
+      scene.counterweight_hanger == 0)
     return "unless scene.counterweight-hanger is above 0: there is no hanger";
   return "";
 }
@@ -165,8 +189,9 @@ std::map<std::string, std::string> unused_keys(const Job& job) {
               " with scene.beam-mass, beam-centre and beam-moment, which describe the whole beam");
   if (scene.trough)
     leave_out({"scene.sling-angle"}, " with scene.trough = yes, which determines it");
-  else
-    leave_out({"scene.trough-height"}, " unless scene.trough is yes");
+  if (scene.trough && !job.lattice.r3)
+    leave_out({"lattice.shortest-sling"}, " with scene.trough = yes; give lattice.r3");
+  if (!scene.trough) leave_out({"scene.trough-height"}, " unless scene.trough is yes");
   if (scene.projectile_diameter == 0)
     leave_out({"scene.drag-coefficient", "scene.air-density", "scene.wind"},
               " unless scene.projectile-diameter is above 0");

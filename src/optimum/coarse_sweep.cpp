@@ -4,67 +4,66 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/job/sample.hpp"
 #include "trebsweep/optimum/design_problem.hpp"
 #include "trebsweep/optimum/field_values.hpp"
+#include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
 namespace {
 
-constexpr std::uint64_t enough_designs = 300'000;  // a fraction of a second
-constexpr std::size_t enough_values = 200;         // of an axis
+constexpr std::size_t enough_values = 200;  // of an axis
 constexpr std::uint64_t max_designs = 100'000'000;
 
-/// A value and a violation of the constraints, as of a Point.
+/// An objective and a violation of the constraints, as of a Point; infinite where nothing is
+/// released or the violation is not known.
 struct Merit {
   double objective, violation;
 };
-
-bool is_released(const Merit& merit) { return !std::isinf(merit.violation); }
 
 bool is_better(const Merit& a, const Merit& b) {
   return is_better(Point{{}, a.objective, a.violation}, Point{{}, b.objective, b.violation});
 }
 
-std::vector<Merit> merits(const Job& job, std::span<const Design<double>> designs) {
-  const std::vector<Constraint> constraints = constraints_of(job);
-  std::vector<Field> fields{job.optimum.objective};
-  for (const Constraint& c : constraints) fields.push_back(c.field);
-  const Eigen::MatrixXd values =
-      field_values(job.scene, job.solver, Accuracy::coarse, designs, fields);
-  std::vector<Merit> all;
-  for (const auto& column : values.colwise()) {
-    Merit merit{column(0), 0};
-    for (std::size_t i = 0; i < constraints.size(); ++i)
-      merit.violation =
-          std::max(merit.violation,
-                   violation(constraints[i], column(static_cast<Eigen::Index>(i) + 1)) /
-                       (std::abs(constraints[i].limit) > 0 ? std::abs(constraints[i].limit) : 1));
-    if (!column.allFinite()) merit = {0, HUGE_VAL};
-    all.push_back(merit);
-  }
-  return all;
-}
+/// Computes values of designs on all ranks and reports the progress.
+class RankedValues {
+ public:
+  RankedValues(const Job& job, std::size_t total, ProgressStyle style, MPI_Comm comm)
+      : job_(job), comm_(comm), progress_(0, total, style) {}
 
-/// The merits of designs, each computed by one of the ranks. Collective.
-std::vector<Merit> merits_on_all_ranks(const Job& job, std::span<const Design<double>> designs,
-                                       ProgressStyle style, MPI_Comm comm) {
-  constexpr std::size_t part = 2048;
-  Progress progress(0, designs.size(), style);
-  const std::size_t round = part * static_cast<std::size_t>(mpi::size(comm));
-  std::vector<Merit> all(designs.size());
-  for (auto first = part * static_cast<std::size_t>(mpi::rank(comm)); first < designs.size();
-       first += round) {
-    const auto some = designs.subspan(first, std::min(part, designs.size() - first));
-    std::ranges::copy(merits(job, some), all.begin() + static_cast<std::ptrdiff_t>(first));
-    progress.update(std::min(first + round, designs.size()));
+  /// The values of fields at designs, a column per design. Collective.
+  Eigen::MatrixXd operator()(std::span<const Design<double>> designs,
+                             std::span<const Field> fields) {
+    const auto ranks = static_cast<std::size_t>(mpi::size(comm_));
+    const std::size_t rows = fields.size(), count = designs.size();
+    // Small parts, since designs of one region may take longer than others.
+    const std::size_t part = std::clamp<std::size_t>(count / (8 * ranks), 64, 2048);
+    std::vector<double> all(rows * count);
+    for (auto first = part * static_cast<std::size_t>(mpi::rank(comm_)); first < count;
+         first += part * ranks) {
+      const auto some = designs.subspan(first, std::min(part, count - first));
+      const Eigen::MatrixXd values =
+          field_values(job_.scene, job_.solver, Accuracy::coarse, some, fields);
+      std::copy_n(values.data(), values.size(),
+                  all.begin() + static_cast<std::ptrdiff_t>(rows * first));
+      progress_.update(done_ + std::min(first + part * ranks, count));
+    }
+    mpi::merge(std::span(all), comm_);
+    done_ += count;
+    return Eigen::Map<const Eigen::MatrixXd>(all.data(), static_cast<Eigen::Index>(rows),
+                                             static_cast<Eigen::Index>(count));
   }
-  mpi::merge(std::span(all), comm);
-  return all;
-}
+
+ private:
+  const Job& job_;
+  MPI_Comm comm_;
+  Progress progress_;
+  std::size_t done_ = 0;
+};
 
 LatticeSpec with_increment(LatticeSpec spec, double increment) {
   spec.increment = increment;
@@ -88,7 +87,7 @@ std::vector<std::size_t> places(const Lattice& lattice) {
   return place;
 }
 
-/// The designs that none of their neighbours exceeds; of equal neighbours, the first.
+/// The designs that none of their neighbours exceeds, best first; of equal neighbours, the first.
 std::vector<std::size_t> local_maxima(const Lattice& lattice, const std::vector<Merit>& merit) {
   const std::vector<std::size_t> place = places(lattice);
   const Index3 n = lattice.extent();
@@ -107,15 +106,84 @@ std::vector<std::size_t> local_maxima(const Lattice& lattice, const std::vector<
   };
   std::vector<std::size_t> maxima;
   for (std::size_t cell = 0; cell < place.size(); ++cell)
-    if (place[cell] != none && is_released(merit[place[cell]]) &&
+    if (place[cell] != none && std::isfinite(merit[place[cell]].violation) &&
         exceeds_neighbours(cell / n[2] / n[1], cell / n[2] % n[1], cell % n[2], place[cell]))
       maxima.push_back(place[cell]);
+  std::ranges::stable_sort(
+      maxima, [&](std::size_t a, std::size_t b) { return is_better(merit[a], merit[b]); });
   return maxima;
+}
+
+bool is_feasible(const Merit& merit) { return merit.violation <= feasibility_tolerance; }
+
+/// The violations of designs, each relative to the scale_of() the constraint; NaN without a
+/// release.
+std::vector<double> violations_of(const std::vector<Constraint>& constraints, const Scene& scene,
+                                  std::span<const Design<double>> designs, RankedValues& values_of,
+                                  std::vector<std::uint64_t>& violations) {
+  std::vector<Field> fields;
+  for (const Constraint& c : constraints) fields.push_back(c.field);
+  std::vector<double> worst;
+  const Eigen::MatrixXd all = values_of(designs, fields);
+  for (const auto& values : all.colwise()) {
+    double& largest = worst.emplace_back(0);
+    for (std::size_t c = 0; c < constraints.size(); ++c) {
+      const double by = violation(constraints[c], values(static_cast<Eigen::Index>(c))) /
+                        scale_of(constraints[c], scene, 0);
+      violations[c] += !(by <= feasibility_tolerance);
+      largest = std::isnan(by) ? by : std::max(largest, by);
+    }
+  }
+  return worst;
+}
+
+/// Sets the violations of designs, in descending order of their objectives, until some of them
+/// satisfy the constraints: a design far below the best of these seldom leads to the optimum. Adds
+/// to `violations` how many designs violate each constraint. Collective.
+void find_violations(const Job& job, std::span<const Design<double>> designs,
+                     RankedValues& values_of, std::vector<Merit>& merit,
+                     std::vector<std::uint64_t>& violations) {
+  std::vector<std::size_t> order;
+  for (std::size_t n = 0; n < designs.size(); ++n)
+    if (std::isfinite(merit[n].objective)) order.push_back(n);
+  std::ranges::stable_sort(order, std::greater{},
+                           [&](std::size_t n) { return merit[n].objective; });
+
+  const std::vector<Constraint> constraints = constraints_of(job);
+  const std::size_t part = std::max<std::size_t>(2048, order.size() / 16);
+  std::size_t enough = order.size();
+  for (std::size_t first = 0; first < enough; first += part) {
+    const auto some = std::span(order).subspan(first, std::min(part, order.size() - first));
+    std::vector<Design<double>> chosen;
+    for (const std::size_t n : some) chosen.push_back(designs[n]);
+    const auto worst = violations_of(constraints, job.scene, chosen, values_of, violations);
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      merit[some[k]].violation = std::isnan(worst[k]) ? HUGE_VAL : worst[k];
+      if (is_feasible(merit[some[k]]))
+        enough = std::min(enough, 2 * (first + k) + order.size() / 4);
+    }
+  }
 }
 
 }  // namespace
 
-LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec) {
+std::uint64_t affordable_designs(const Job& job) {
+  constexpr std::uint64_t sampled = 300, fewest = 8'000, most = 300'000;
+  constexpr double affordable_steps = 4e6;  // a second or two
+  const std::vector<Design<double>> designs =
+      all_designs(Lattice(job.scene, coarse_lattice(job.scene, job.lattice, sampled)));
+  std::vector<SwingResult> results(designs.size());
+  integrate(job.scene, coarse_solver(job.solver), {designs, results});
+  double steps = 0;
+  for (const SwingResult& result : results) steps += static_cast<double>(result.steps);
+  const double affordable = affordable_steps * static_cast<double>(designs.size()) / (steps + 1);
+  return affordable > static_cast<double>(most)
+             ? most
+             : std::max(fewest, static_cast<std::uint64_t>(affordable));
+}
+
+LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec,
+                           std::uint64_t enough_designs) {
   std::optional<LatticeSpec> chosen;
   std::uint64_t most = 0;
   for (int exponent = 3; exponent > -7; --exponent)
@@ -153,13 +221,35 @@ CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, ProgressStyle 
            fmt::format("larger: the coarse sweep would have {} designs, and {} are allowed",
                        lattice.designs(), max_designs));
   const std::vector<Design<double>> designs = all_designs(lattice);
-  const std::vector<Merit> merit = merits_on_all_ranks(job, designs, style, comm);
-  std::vector<std::size_t> maxima = local_maxima(lattice, merit);
-  std::ranges::stable_sort(
-      maxima, [&](std::size_t a, std::size_t b) { return is_better(merit[a], merit[b]); });
+  const std::vector<Constraint> constraints = constraints_of(job);
+  RankedValues values_of(job, designs.size() * (constraints.empty() ? 1 : 2), style, comm);
+  const Eigen::MatrixXd objectives = values_of(designs, {&job.optimum.objective, 1});
+  std::vector<Merit> merit;
+  for (const double objective : objectives.row(0))
+    merit.push_back({objective, std::isfinite(objective) ? 0 : HUGE_VAL});
+
   CoarseSweep sweep{.increment = designs.size() > 1 ? spec.increment : 0,
                     .designs = designs.size(),
-                    .maxima = {}};
+                    .maxima = {},
+                    .feasible = false,
+                    .violations = std::vector<std::uint64_t>(constraints.size())};
+  std::vector<std::size_t> maxima = local_maxima(lattice, merit);
+  if (maxima.empty()) return sweep;
+  // If the best design satisfies the constraints, they need not be computed for the others.
+  const Design<double>& best = designs[maxima.front()];
+  sweep.feasible =
+      constraints.empty() ||
+      violations_of(constraints, job.scene, {&best, 1}, values_of, sweep.violations).front() <=
+          feasibility_tolerance;
+  if (!sweep.feasible) {
+    std::ranges::fill(sweep.violations, 0);
+    for (Merit& m : merit) m.violation = HUGE_VAL;
+    find_violations(job, designs, values_of, merit, sweep.violations);
+    maxima = local_maxima(lattice, merit);
+    sweep.feasible = !maxima.empty() && is_feasible(merit[maxima.front()]);
+    if (sweep.feasible)
+      std::erase_if(maxima, [&](std::size_t m) { return !is_feasible(merit[m]); });
+  }
   for (const std::size_t m : maxima) sweep.maxima.push_back(designs[m]);
   return sweep;
 }

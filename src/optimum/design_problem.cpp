@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "trebsweep/optimum/field_values.hpp"
 
@@ -19,6 +20,15 @@ using Eigen::VectorXd;
 double magnitude(double value) { return std::abs(value) > 0 ? std::abs(value) : 1; }
 
 }  // namespace
+
+double scale_of(const Constraint& constraint, const Scene& scene, double value) {
+  if (std::abs(constraint.limit) > std::numeric_limits<double>::min())
+    return std::abs(constraint.limit);
+  const std::string_view units = info(constraint.field).units;
+  if (units == "m") return scene.fulcrum_height;
+  if (units == "N") return std::max(std::abs(value), scene.projectile_mass * scene.gravity);
+  return magnitude(value);
+}
 
 bool has_sum(const DesignProblem& problem) {
   return problem.space.longest_sum &&
@@ -37,6 +47,36 @@ std::vector<Constraint> constraints_of(const Job& job) {
   return constraints;
 }
 
+std::vector<Constraint> build_constraints(const Scene& scene, const Solver& solver) {
+  std::vector<Constraint> constraints;
+  const auto add = [&](Field field, bool is_upper, double limit) {
+    constraints.push_back({.field = field, .is_upper = is_upper, .limit = limit});
+  };
+  add(Field::tip_clearance, false, 0);
+  add(Field::counterweight_clearance, false, 0);
+  add(Field::projectile_clearance, false, 0);
+  if (scene.sling_stiffness == 0) add(Field::least_sling_tension, false, 0);
+  if (located(solver.release) == Release::crossing) {  // the other rules are those of a pin
+    add(Field::pin_angle, false, -std::numbers::pi);
+    add(Field::pin_angle, true, std::numbers::pi);
+  }
+  return constraints;
+}
+
+Job searched_job(const Job& job) {
+  Job searched = job;
+  if (!job.optimum.buildable) return searched;
+  const auto implies = [](const Constraint& a, const Constraint& b) {
+    return a.field == b.field && a.is_upper == b.is_upper && violation(b, a.limit) <= 0;
+  };
+  for (const Constraint& condition : build_constraints(job.scene, job.solver)) {
+    const auto given = constraints_of(job);
+    if (std::ranges::none_of(given, [&](const Constraint& c) { return implies(c, condition); }))
+      searched.optimum.constraints.push_back(condition);
+  }
+  return searched;
+}
+
 DesignProblem design_problem(const Job& job, const Design<double>& typical) {
   DesignProblem problem{.scene = job.scene,
                         .solver = job.solver,
@@ -49,11 +89,9 @@ DesignProblem design_problem(const Job& job, const Design<double>& typical) {
   const MatrixXd values =
       field_values(job.scene, job.solver, Accuracy::high, {&typical, 1}, problem.fields);
   problem.scales.push_back(magnitude(values(0)));
-  for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
-    const double limit = problem.constraints[i].limit;
-    const bool is_zero = std::abs(limit) <= std::numeric_limits<double>::min();
-    problem.scales.push_back(magnitude(is_zero ? values(static_cast<Index>(i) + 1) : limit));
-  }
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i)
+    problem.scales.push_back(
+        scale_of(problem.constraints[i], job.scene, values(static_cast<Index>(i) + 1)));
   for (std::size_t d = 0; d < 3; ++d)
     if (problem.space.lower[d] < problem.space.upper[d]) problem.variables.push_back(d);
   return problem;

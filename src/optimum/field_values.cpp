@@ -9,6 +9,8 @@
 
 namespace trebsweep {
 
+Solver coarse_solver(const Solver& solver) { return solver_of("vern8", 1e-6, solver); }
+
 Eigen::MatrixXd field_values(const Scene& scene, const Solver& solver, Accuracy accuracy,
                              std::span<const Design<double>> designs,
                              std::span<const Field> fields) {
@@ -19,7 +21,7 @@ Eigen::MatrixXd field_values(const Scene& scene, const Solver& solver, Accuracy 
   std::vector<double> values(designs.size() * computed.size());
   const Batch batch{designs, swings, computed, values};
   if (accuracy == Accuracy::coarse)
-    integrate(scene, solver_of("vern8", 1e-6, solver), batch);
+    integrate(scene, coarse_solver(solver), batch);
   else  // by vern8, unless that is the stepper to be checked
     integrate_accurately(
         scene, solver_of(accuracy == Accuracy::check ? "vern8" : "dopri5", 1e-13, solver), batch);

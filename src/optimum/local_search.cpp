@@ -48,7 +48,7 @@ bool is_clearly_better(const Point& a, const Point& b) { return is_better_by(1e-
 Point zoom(const NonlinearProgram& program, Point point) {
   constexpr double noise = 1e-11, finest = 1e-9;
   constexpr int max_steps = 40;
-  const Index reach = program.cost < 20 ? 4 : 2;
+  constexpr Index reach = 2;
   double spacing = 1e-2;
   for (int step = 0; step < max_steps && spacing > finest; ++step) {
     const Point best = best_around(program, point, spacing, reach);
@@ -77,25 +77,26 @@ std::optional<KktPoint> polished(const NonlinearProgram& program, const Point& n
   return std::nullopt;
 }
 
-KktPoint search_once(const NonlinearProgram& program, const Point& start) {
+KktPoint search_once(const NonlinearProgram& program, const Point& start, Effort effort) {
   const Point near = search_by_mma(program, start.x);
   if (const auto found = polished(program, near)) return *found;
-  const Point zoomed = zoom(program, near);
   const VectorXd none = VectorXd::Zero(program.constraints + 2 * program.variables());
+  if (effort == Effort::quick) return {near, none, false};
+  const Point zoomed = zoom(program, near);
   return polished(program, zoomed).value_or(KktPoint{zoomed, none, false});
 }
 
 }  // namespace
 
-KktPoint search(const NonlinearProgram& program, const VectorXd& x) {
+KktPoint search(const NonlinearProgram& program, const VectorXd& x, Effort effort) {
   constexpr int max_searches = 4;
   Point start = point_with_values(program, x);
   if (program.variables() == 0) return {start, VectorXd::Zero(program.constraints), true};
-  KktPoint best = search_once(program, start);
-  for (int searches = 1; searches < max_searches; ++searches) {
+  KktPoint best = search_once(program, start, effort);
+  for (int searches = 1; effort == Effort::thorough && searches < max_searches; ++searches) {
     start = best_around(program, best.point, lattice_spacing, 3);
     if (!is_clearly_better(start, best.point)) break;
-    const KktPoint found = search_once(program, start);
+    const KktPoint found = search_once(program, start, effort);
     if (is_better(found.point, best.point)) best = found;
   }
   return best;

@@ -1,7 +1,6 @@
 #include "trebsweep/optimum/optimum.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,11 +11,12 @@
 
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/optimum/allowance.hpp"
-#include "trebsweep/optimum/coarse_sweep.hpp"
 #include "trebsweep/optimum/derivatives.hpp"
 #include "trebsweep/optimum/design_space.hpp"
 #include "trebsweep/optimum/field_values.hpp"
 #include "trebsweep/optimum/local_search.hpp"
+#include "trebsweep/optimum/safety.hpp"
+#include "trebsweep/optimum/starts.hpp"
 #include "trebsweep/swing/reference.hpp"
 
 namespace trebsweep {
@@ -27,72 +27,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t max_starts = 16, max_edge_starts = 4;
-
-/// The best local maxima of a coarse sweep.
-std::vector<Design<double>> best_of(const CoarseSweep& sweep, std::size_t count) {
-  return {sweep.maxima.begin(),
-          sweep.maxima.begin() + static_cast<std::ptrdiff_t>(std::min(sweep.maxima.size(), count))};
-}
-
-/// The end of a search, with up to three variables.
-struct Found {
-  std::array<double, 3> x;
-  double objective, violation;
-  bool converged;
-  std::uint64_t integrated;
-};
-
-/// The ends of searches from designs, each by one of the ranks. Collective.
-template <class Search>
-std::vector<Found> search_from(const std::vector<Design<double>>& starts, ProgressStyle style,
-                               MPI_Comm comm, Search search) {
-  Progress progress(0, starts.size(), style, "searches");
-  const auto ranks = static_cast<std::size_t>(mpi::size(comm));
-  return mpi::share(starts.size(), comm, [&](std::size_t i) {
-    Found found{};
-    const auto [point, multipliers, converged] = search(starts[i], found.integrated);
-    std::ranges::copy(point.x, found.x.begin());
-    found.objective = point.objective;
-    found.violation = point.violation;
-    found.converged = converged;
-    progress.update(std::min(i + ranks, starts.size()));
-    return found;
-  });
-}
-
-/// The distinct feasible points, best first, each with the number of searches that ended there.
-/// Searches that did not converge may have stopped on the way: only the best point is kept of them.
-std::vector<LocalMaximum> distinct(std::vector<Found> found, const DesignProblem& problem) {
-  constexpr double same = 1e-4;  // m
-  const auto n = static_cast<Index>(problem.variables.size());
-  std::erase_if(found, [](const Found& f) { return f.violation > feasibility_tolerance; });
-  std::ranges::stable_sort(found, std::greater{}, &Found::objective);
-  std::vector<LocalMaximum> maxima;
-  for (const Found& f : found) {
-    const LocalMaximum m{to_design(problem, Eigen::Map<const VectorXd>(f.x.data(), n)),
-                         f.objective * problem.scales.front(), 1};
-    const auto is_same = [&](const LocalMaximum& known) {
-      const auto [a, b] = std::pair(known.design, m.design);
-      return std::hypot(a.r1 - b.r1, a.r3 - b.r3, a.r2 - b.r2) < same;
-    };
-    const auto known = std::ranges::find_if(maxima, is_same);
-    if (known != maxima.end())
-      ++known->starts;
-    else if (f.converged || maxima.empty())
-      maxima.push_back(m);
-  }
-  return maxima;
-}
-
-/// The constraints that a design violates, for a message.
-std::string violations_text(const DesignProblem& problem, const Design<double>& design) {
-  const VectorXd values = values_at(problem, {&design, 1});
-  std::vector<std::string> violated;
-  for (std::size_t i = 0; i < problem.constraints.size(); ++i)
-    if (values(static_cast<Index>(i) + 1) > 0) violated.push_back(to_text(problem.constraints[i]));
-  return fmt::format("{} violates {}", to_text(design), fmt::join(violated, " and "));
-}
 
 /// Gradient and Hessian of the objective with respect to all three lengths.
 void add_derivatives(const DesignProblem& problem, OptimumResult& result) {
@@ -156,31 +90,6 @@ std::vector<std::pair<std::string, Sensitivity>> all_sensitivities(const Job& jo
   return all;
 }
 
-/// Designs to search from, best first.
-struct Starts {
-  std::vector<Design<double>> designs;
-  double increment;          ///< m: of the coarse sweep
-  std::uint64_t integrated;  ///< designs
-};
-
-/// The best local maxima of the coarse sweeps. Throws NoOptimum if nothing is released. Collective.
-Starts find_starts(const Job& job, const OptimumOptions& options, MPI_Comm comm) {
-  const LatticeSpec spec =
-      options.own_lattice ? job.lattice : coarse_lattice(job.scene, job.lattice);
-  const CoarseSweep coarse = coarse_sweep(job, spec, options.progress, comm);
-  Starts starts{best_of(coarse, max_starts), coarse.increment, coarse.designs};
-  if (const auto edge = edge_lattice(job.scene, spec); edge && !options.own_lattice) {
-    const CoarseSweep swept = coarse_sweep(job, *edge, options.progress, comm);
-    std::ranges::copy(best_of(swept, max_edge_starts), std::back_inserter(starts.designs));
-    starts.integrated += swept.designs;
-  }
-  if (starts.designs.empty())
-    throw NoOptimum(
-        fmt::format("nothing is released: none of {} designs with a spacing of {} m has a release",
-                    starts.integrated, starts.increment));
-  return starts;
-}
-
 [[noreturn]] void refuse_deviation(double deviation) {
   throw NoOptimum(
       fmt::format("no design was found that has a release and satisfies the constraints with all "
@@ -188,14 +97,10 @@ Starts find_starts(const Job& job, const OptimumOptions& options, MPI_Comm comm)
                   deviation));
 }
 
-/// Searches from designs, and adds what is found to a result; collective.
-template <class Search>
-void find_maxima(const std::vector<Design<double>>& starts, const DesignProblem& problem,
-                 ProgressStyle progress, MPI_Comm comm, Search search, OptimumResult& result) {
-  const std::vector<Found> found = search_from(starts, progress, comm, search);
-  for (const Found& f : found) result.designs += f.integrated;
-  result.starts = starts.size();
-  result.maxima = distinct(found, problem);
+bool is_feasible(const DesignProblem& problem, const Design<double>& design) {
+  const MatrixXd values = values_at(problem, {&design, 1});
+  return values.allFinite() &&
+         values.bottomRows(values.rows() - 1).maxCoeff() <= feasibility_tolerance;
 }
 
 /// Takes the best of the local maxima. A last search gives its multipliers, and the derivatives of
@@ -210,56 +115,157 @@ VectorXd take_best(const DesignProblem& problem, Search search, OptimumResult& r
   return add_active_limits(problem, optimum, result);
 }
 
+/// Replaces the optimum by the best safe design, if it is not safe itself: one of the other local
+/// maxima, or the best safe design near one. Throws NoOptimum if none is found. Collective.
+void take_safe(const Job& job, const DesignProblem& problem, ProgressStyle style, MPI_Comm comm,
+               OptimumResult& result) {
+  constexpr std::size_t most = 12;  // maxima to search around
+  const double deviation = job.optimum.deviation;
+  if (is_safe(problem, result.design, deviation, result.designs)) return;
+  result.unsafe = {result.design, result.value};
+  std::vector<Design<double>> maxima;
+  for (const LocalMaximum& m : result.maxima)
+    if (maxima.size() < most) maxima.push_back(m.design);
+  const auto search_safe = [&](const Design<double>& start, std::uint64_t& integrated) {
+    const auto safe = is_safe(problem, start, deviation, integrated)
+                          ? std::optional(start)
+                          : safe_design_near(problem, start, deviation, integrated);
+    if (!safe) return KktPoint{{VectorXd::Zero(0), 0, HUGE_VAL}, {}, false};
+    const double value = values_at(problem, {&*safe, 1})(0, 0);
+    return KktPoint{{to_variables(problem, *safe), value, 0}, {}, false};
+  };
+  const auto found = find_maxima(maxima, search_safe, style, comm, result.designs);
+  if (found.empty())
+    throw NoOptimum(fmt::format(
+        "the {} jumps next to every good design found, such as {} with {:.6g}: lengths that are "
+        "off by {} would lose it; choose other axes, release or constraints",
+        info(job.optimum.objective).name, to_text(result.design), result.value,
+        deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %"));
+  const LocalMaximum best = distinct({found.front()}, problem).front();
+  result.design = best.design;
+  result.converged = false;
+  result.active.clear();
+}
+
+/// Throws NoOptimum if the objective grows without limit as r1 approaches an open bound, next to
+/// which the optimum is: if it grows as much from 1 um to 1 nm as from 1 mm to 1 um.
+void refuse_divergence(const Job& job, const DesignProblem& problem, OptimumResult& result) {
+  if (job.lattice.r1) return;
+  const double bound = problem.space.lower[0];
+  if (result.design.r1 - bound > 1e-3 * bound) return;
+  std::vector<Design<double>> designs(3, result.design);
+  for (std::size_t i = 0; i < 3; ++i)
+    designs[i].r1 = bound + std::pow(10, -3.0 * static_cast<double>(i + 1));
+  const VectorXd values = values_at(problem, designs).row(0) * problem.scales.front();
+  result.designs += designs.size();
+  if (!(values(2) - values(1) > 0.5 * (values(1) - values(0)) && values(1) > values(0))) return;
+  throw NoOptimum(fmt::format(
+      "the largest {} is not reached: it grows without limit as r1 approaches its open bound "
+      "{} = {:.6g} m (47): {:.4g}, {:.4g} and {:.4g} {} at 1 mm, 1 um and 1 nm from it",
+      info(job.optimum.objective).name, arm_bounds(job.scene).low_text, bound, values(0), values(1),
+      values(2), info(job.optimum.objective).units));
+}
+
+/// The fields that a builder needs to know, as far as the scene has them.
+std::vector<BuildValue> build_values(const DesignProblem& problem, const Design<double>& design) {
+  std::vector<Field> fields{Field::speed,
+                            Field::range,
+                            Field::release_time,
+                            Field::pin_angle,
+                            Field::ground_clearance,
+                            Field::tip_clearance,
+                            Field::counterweight_clearance,
+                            Field::projectile_clearance,
+                            Field::least_sling_tension,
+                            Field::peak_sling_tension};
+  if (problem.scene.counterweight_hanger > 0) {
+    fields.push_back(Field::least_hanger_tension);
+    fields.push_back(Field::peak_hanger_tension);
+  }
+  fields.push_back(Field::peak_axle_load);
+  if (!problem.scene.beam_mass && problem.scene.beam_side > 0)
+    fields.push_back(Field::peak_beam_stress);
+  const VectorXd values =
+      field_values(problem.scene, problem.solver, Accuracy::high, {&design, 1}, fields);
+  std::vector<BuildValue> all;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    all.push_back({fields[i], values(static_cast<Index>(i))});
+  return all;
+}
+
 }  // namespace
 
-std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& given,
+std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOptions& given,
                                           MPI_Comm comm) {
   const double start_time = MPI_Wtime();
+  const Job job = searched_job(given_job);
   OptimumOptions options = given;
   // Only rank 0 reports progress, as if the others were as fast.
   if (mpi::rank(comm) != 0) options.progress = ProgressStyle::none;
   const DesignSpace space = design_space(job.scene, job.lattice);
+  const double deviation = job.optimum.deviation;
   // A length that is off by as much may be zero or negative.
-  if (job.optimum.robust != Robust::no && job.optimum.deviation >= std::ranges::min(space.upper))
-    refuse_deviation(job.optimum.deviation);
-  const Starts starts = find_starts(job, options, comm);
+  if (job.optimum.robust != Robust::no && deviation >= std::ranges::min(space.upper))
+    refuse_deviation(deviation);
+  const Starts starts = find_starts(job, options.own_lattice, options.progress, comm);
   OptimumResult result{};
   result.objective = job.optimum.objective;
   result.coarse_increment = starts.increment;
   result.designs = starts.integrated;
 
-  const DesignProblem problem = design_problem(job, starts.designs.front());
-  const auto search_nominal = [&](const Design<double>& start, std::uint64_t& integrated) {
-    return search(nominal_program(problem, integrated), to_variables(problem, start));
+  // Conditions that the best design satisfies anyway need not slow down the search.
+  DesignProblem problem = design_problem(given_job, starts.designs.front());
+  const DesignProblem full = design_problem(job, starts.designs.front());
+  const bool is_full = problem.constraints.size() == full.constraints.size();
+  const auto search_all = [&] {
+    return find_maxima(starts.designs, problem, options.progress, comm, result.designs);
   };
-  find_maxima(starts.designs, problem, options.progress, comm, search_nominal, result);
-  if (result.maxima.empty())
-    throw NoOptimum(fmt::format("the constraints exclude every design: {}",
-                                violations_text(problem, starts.designs.front())));
+  std::vector<Found> found = search_all();
+  if (!is_full && (job.optimum.robust != Robust::no || found.empty() ||
+                   !is_feasible(full, distinct(found, problem).front().design))) {
+    problem = full;
+    found = search_all();
+  }
+  result.starts = starts.designs.size();
+  if (found.empty()) refuse_constraints(problem, starts);
+  result.maxima = distinct(found, problem);
   VectorXd derivatives;
   if (job.optimum.robust == Robust::no) {
-    derivatives = take_best(problem, search_nominal, result);
+    const auto search_again = [&](const Design<double>& start, std::uint64_t& integrated) {
+      return search(nominal_program(problem, integrated), to_variables(problem, start));
+    };
+    derivatives = take_best(problem, search_again, result);
+    result.value = result.maxima.front().value;
+    refuse_divergence(job, problem, result);
+    take_safe(job, problem, options.progress, comm, result);
   } else {
-    const double deviation = job.optimum.deviation;
     const auto search_robust = [&](const Design<double>& start, std::uint64_t& integrated) {
       return robust_search(problem, start, job.optimum.robust, deviation, integrated);
     };
     std::vector<Design<double>> maxima;
-    for (const LocalMaximum& m : result.maxima) maxima.push_back(m.design);
-    find_maxima(maxima, problem, options.progress, comm, search_robust, result);
-    if (result.maxima.empty()) refuse_deviation(deviation);
+    for (const LocalMaximum& m : result.maxima)
+      if (m.converged || maxima.empty()) maxima.push_back(m.design);
+    found = find_maxima(maxima, search_robust, options.progress, comm, result.designs);
+    if (found.empty()) refuse_deviation(deviation);
+    result.starts = maxima.size();
+    result.maxima = distinct(found, problem);
     derivatives = take_best(problem, search_robust, result);
     derivatives.fill(nan);  // they are those of the worst or mean value
   }
-  if (!result.converged) derivatives.fill(nan);
+  // Of searches that did not converge, some may have stopped on the way.
+  std::erase_if(result.maxima, [&](const LocalMaximum& m) {
+    return !m.converged && &m != &result.maxima.front();
+  });
+  if (!result.converged) derivatives.setConstant(limits(problem).size(), nan);
 
   result.sensitivities = all_sensitivities(job, problem, result.design, derivatives, comm);
   if (mpi::rank(comm) != 0) return std::nullopt;
   add_value(problem, result);
+  result.values = build_values(problem, result.design);
   add_derivatives(problem, result);
   result.allowances = allowances(problem, result.design, result.designs);
-  if (job.optimum.deviation > 0)
-    result.robustness = robustness(problem, result.design, job.optimum.deviation, result.designs);
+  if (deviation > 0)
+    result.robustness = robustness(problem, result.design, deviation, result.designs);
   result.seconds = MPI_Wtime() - start_time;
   return result;
 }

@@ -1,12 +1,15 @@
 #include "trebsweep/optimum/report.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "trebsweep/base/number.hpp"
+#include "trebsweep/job/buildable.hpp"
 #include "trebsweep/job/key.hpp"
 #include "trebsweep/optimum/design_space.hpp"
 
@@ -26,16 +29,21 @@ std::string per(const std::string& unit, const std::string& by) {
 }
 
 std::string allowance_text(const Allowance& allowance) {
-  const auto side = [](double length, const char* direction) {
-    return std::isinf(length) ? fmt::format("any length {}", direction)
-                              : fmt::format("{:.4f} m {}", length, direction);
+  const auto side = [](double length, const char* direction, const std::string& limit) {
+    if (std::isinf(length)) return fmt::format("any length {}", direction);
+    return fmt::format("{:.4f} m {}", length, direction) +
+           (limit.empty() ? "" : fmt::format(" ({})", limit));
   };
-  return fmt::format("{} or {}", side(allowance.shorter, "shorter"),
-                     side(allowance.longer, "longer"));
+  return fmt::format("{} or {}", side(allowance.shorter, "shorter", allowance.shorter_limit),
+                     side(allowance.longer, "longer", allowance.longer_limit));
 }
+
+/// A text, or null if it is empty.
+Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
 /// What each limit is worth.
 std::string limits_text(const OptimumResult& result, const Job& job) {
+  if (result.unsafe) return "limits     unknown: the optimum is not a stationary point\n";
   if (!result.converged)
     return "limits     unknown: the objective or a constraint has a kink or a jump there,\n"
            "           or designs next to it have no release\n";
@@ -50,13 +58,66 @@ std::string limits_text(const OptimumResult& result, const Job& job) {
   return text;
 }
 
-/// A warning about a value that no other integration confirms.
-std::string jump_text(const OptimumResult& result) {
-  constexpr double doubtful = 1e-6;  // relative
-  if (result.error < doubtful * std::abs(result.value)) return "";
-  return "           The objective jumps at this design: do not rely on the value.\n"
-         "           Constraints may exclude such designs, for example\n"
-         "           least-sling-tension >= 0, or bounds of pin-angle.\n";
+/// Why the optimum is not the design with the largest value.
+std::string unsafe_text(const OptimumResult& result, const Job& job) {
+  if (!result.unsafe) return "";
+  const auto& [design, value] = *result.unsafe;
+  const double deviation = job.optimum.deviation;
+  return fmt::format(
+      "           the best design found that lengths off by up to {} do not lose: the {} jumps or\n"
+      "           falls steeply next to {:.9g}{} at {}\n",
+      deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %", info(result.objective).name, value,
+      after_number(unit_of(result)), to_text(design));
+}
+
+/// A field at the optimum, if it is known: "the_name 1.25 m".
+std::string value_text(const OptimumResult& result, Field field, const char* name) {
+  const auto found = std::ranges::find(result.values, field, &BuildValue::field);
+  if (found == result.values.end()) return "";
+  const double value = std::abs(found->value) < 1e-9 ? 0 : found->value;  // rounding errors
+  return fmt::format("{} {:.{}g}{}", name, value, field == Field::pin_angle ? 10 : 6,
+                     after_number(unit_text(info(field).units)));
+}
+
+/// In what the optimum cannot be built, if it cannot: its hanger, or anything if all designs
+/// compete.
+std::string problems_text(const OptimumResult& result, const Job& job) {
+  std::array<double, build_fields.size()> values;
+  std::ranges::transform(build_fields, values.begin(), [&](Field field) {
+    const auto found = std::ranges::find(result.values, field, &BuildValue::field);
+    return found == result.values.end() ? std::nan("") : found->value;
+  });
+  const auto problems = build_problems(job.scene, to_build_values(values));
+  return problems.empty() ? "" : fmt::format("warning    {}\n", to_text(problems));
+}
+
+/// What a builder needs to know, a line for each kind of quantity.
+std::string build_text(const OptimumResult& result) {
+  using Names = std::vector<std::pair<Field, const char*>>;
+  const std::array<std::pair<const char*, Names>, 4> lines{
+      {{"at release",
+        {{Field::speed, "speed"}, {Field::range, "range"}, {Field::pin_angle, "pin angle"}}},
+       {"clearance",
+        {{Field::tip_clearance, "arm's tip"},
+         {Field::counterweight_clearance, "counterweight"},
+         {Field::projectile_clearance, "projectile"}}},
+       {"tension",
+        {{Field::least_sling_tension, "sling at least"},
+         {Field::least_hanger_tension, "hanger at least"}}},
+       {"peak load",
+        {{Field::peak_sling_tension, "sling"},
+         {Field::peak_hanger_tension, "hanger"},
+         {Field::peak_axle_load, "axle"},
+         {Field::peak_beam_stress, "beam"}}}}};
+  std::string text;
+  for (const auto& [label, names] : lines) {
+    std::vector<std::string> parts;
+    for (const auto& [field, name] : names)
+      if (const std::string part = value_text(result, field, name); !part.empty())
+        parts.push_back(part);
+    if (!parts.empty()) text += fmt::format("{:10} {}\n", label, fmt::join(parts, ", "));
+  }
+  return text;
 }
 
 std::string robustness_text(const OptimumResult& result, double deviation) {
@@ -129,10 +190,11 @@ std::string to_text(const OptimumResult& result, const Job& job) {
       fmt::format("scene      {}\nsolver     {}\n", scene_text(job), solver_text(solver));
   text += fmt::format("optimum    {} {:.10g}{}, error {:.1g}\n", info(result.objective).name,
                       result.value, unit, result.error);
-  text += jump_text(result);
+  text += unsafe_text(result, job);
   text += fmt::format("design     {}, released at {:.8g} s\n", to_text(result.design),
                       result.release_time);
-  text += limits_text(result, job) + precision_text(result);
+  text += problems_text(result, job) + build_text(result) + limits_text(result, job) +
+          precision_text(result);
   text += robustness_text(result, job.optimum.deviation);
   text += maxima_text(result);
   text += fmt::format("designs    {}", result.designs);
@@ -152,11 +214,14 @@ std::string to_json(const OptimumResult& result, const Job& job) {
             {"r2", result.design.r2},
             {"release_time", result.release_time},
             {"converged", result.converged},
+            {"unsafe", Json()},
+            {"values", Json::object()},
             {"active", Json::array()},
             {"bounds", bounds(design_space(job.scene, job.lattice), result.design)},
             {"gradient", result.gradient},
             {"hessian", result.hessian},
             {"one_percent_loss", Json::array()},
+            {"one_percent_limit", Json::array()},
             {"sensitivity", Json::object()},
             {"sensitivity_of_optimum", Json::object()},
             {"worst", result.robustness ? Json(result.robustness->worst) : Json()},
@@ -168,10 +233,19 @@ std::string to_json(const OptimumResult& result, const Job& job) {
             {"designs", result.designs},
             {"seconds", result.seconds},
             {"job", to_text(job)}};
+  if (const auto& unsafe = result.unsafe)
+    json["unsafe"] = {{"value", unsafe->value},
+                      {"r1", unsafe->design.r1},
+                      {"r3", unsafe->design.r3},
+                      {"r2", unsafe->design.r2}};
+  for (const auto& [field, value] : result.values) json["values"][info(field).name] = value;
   for (const ActiveLimit& limit : result.active)
     json["active"].push_back({{"constraint", limit.constraint}, {"multiplier", limit.multiplier}});
-  for (const Allowance& allowance : result.allowances)
+  for (const Allowance& allowance : result.allowances) {
     json["one_percent_loss"].push_back({allowance.shorter, allowance.longer});
+    json["one_percent_limit"].push_back(
+        {text_or_null(allowance.shorter_limit), text_or_null(allowance.longer_limit)});
+  }
   for (const auto& [key, sensitivity] : result.sensitivities) {
     json["sensitivity"][key] = sensitivity.at_design;
     json["sensitivity_of_optimum"][key] = sensitivity.of_optimum;

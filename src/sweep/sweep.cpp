@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include "trebsweep/archive/archive_writer.hpp"
 #include "trebsweep/archive/output_state.hpp"
 #include "trebsweep/archive/partial.hpp"
+#include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/sweep/archive_metadata.hpp"
+#include "trebsweep/sweep/best_designs.hpp"
 #include "trebsweep/sweep/compute.hpp"
 #include "trebsweep/sweep/damaged_tiles.hpp"
 #include "trebsweep/sweep/measured_error.hpp"
@@ -105,10 +106,10 @@ RunId resume(const Context& context, const OutputState& output, const std::files
   RunId run_id{};
   mpi::on_root(context.comm, [&] {
     if (!damaged.empty())
-      fmt::print(stderr,
-                 "warning: of the {} tiles done, these are damaged and will be computed again: "
-                 "{}\n",
-                 tiles_done, to_text(damaged));
+      print_message(fmt::format(
+          "warning: of the {} tiles done, these are damaged and will be computed again: "
+          "{}\n",
+          tiles_done, to_text(damaged)));
     results = earlier_results(*output.partial, context.study, tiling, damaged);
     run_id = continue_partial(path, context.study, tiling, maps, to_compute, context.history);
   });
@@ -198,7 +199,9 @@ bool conclude(const Context& context, const SweepResults& results, Summary& summ
   summary.error = measured_error(samples, summary.optimum ? summary.optimum->scene : 0);
   summary.refined = refined(context, summary, results);
   summary.optima = results.optima;
-  summary.warnings = warnings(context.study, summary, results.tallies, samples);
+  const auto best = best_designs(context.study, summary, context.options.stop, context.comm);
+  if (!best) return false;
+  summary.warnings = warnings(context.study, summary, *best, samples);
   return true;
 }
 

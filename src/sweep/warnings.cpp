@@ -16,35 +16,78 @@ std::string text_of(const Design<double>& d) {
   return fmt::format("r1 = {}, r2 = {}, r3 = {} m", d.r1, d.r2, d.r3);
 }
 
-/// The bounds that a design of the lattice touches, as "r1 = 0.51 m, the smallest allowed by h - h0
-/// < r1 (47)". An axis with a single value has none.
-std::vector<std::string> bounds_at(const Design<double>& design, const Job& job,
-                                   const Lattice& lattice) {
-  const Index3 index = lattice.index_of(design);
+/// The edges that a design may lie on: the ends of r1, r3 and r2.
+constexpr std::array edge_names{"the smallest r1", "the largest r1",  "the smallest r3",
+                                "the largest r3",  "the smallest r2", "the largest r2"};
+using Edges = std::array<bool, edge_names.size()>;
+
+/// Which edges of a lattice one of its designs lies on. An axis with a single value has none.
+Edges edges_of_lattice(const Lattice& lattice, const Design<double>& design) {
+  const auto [i1, i3, i2] = lattice.index_of(design);
+  const auto& r1 = lattice.r1_indices();
+  const bool first_r1 = i1 == r1.front(), last_r1 = i1 == r1.back();
+  const bool last_row = i3 + 1 == lattice.extent()[1] || lattice.row_length(i3 + 1) == 0;
+  const bool last_r2 = i2 + 1 == lattice.row_length(i3);
+  return {first_r1 && !last_r1, last_r1 && !first_r1, i3 == 0 && !last_row,
+          last_row && i3 != 0,  i2 == 0 && !last_r2,  last_r2 && i2 != 0};
+}
+
+/// Which edges a design between those of a lattice lies on: of what the job sets. An optimum on the
+/// other bounds is as good as they allow.
+Edges edges_of_axes(const LatticeSpec& spec, const Design<double>& design) {
+  constexpr double rounding = 1e-6;
+  Edges edges{};
+  const auto check = [&](std::size_t axis, const std::optional<AxisRange>& range, double length) {
+    if (!range || range->first == range->last) return;
+    const double almost = rounding * (range->last - range->first);
+    edges[2 * axis] = length <= range->first + almost;
+    edges[2 * axis + 1] = length >= range->last - almost;
+  };
+  check(0, spec.r1, design.r1);
+  check(1, spec.r3, design.r3);
+  check(2, spec.r2, design.r2);
+  if (!spec.r3) edges[2] = design.r3 <= spec.shortest_sling * (1 + rounding);
+  return edges;
+}
+
+/// Which edges the best design of a scene lies on.
+Edges edges_of(const Study& study, std::uint64_t scene, const BestDesign& best) {
+  if (!best.exists()) return {};
+  const Job& job = study.job();
+  return job.optimum.refine ? edges_of_axes(job.lattice, best.design)
+                            : edges_of_lattice(study.lattice(scene), best.design);
+}
+
+/// The edges with the keys or bounds that set them: "r1 = 0.51 m, the smallest allowed by h - h0 <
+/// r1 (47)".
+std::string edge_warning(const Job& job, const Design<double>& design, const Edges& edges) {
   struct Axis {
     const char* name;
-    const std::optional<AxisRange>& range;  ///< from the job
-    std::string lower, upper;               ///< bounds of an axis without a range
-    std::size_t count;
+    double length;
+    const std::optional<AxisRange>& range;   ///< from the job
+    std::array<std::string, 2> lower_upper;  ///< bounds of an axis without a range
   };
   const LatticeSpec& spec = job.lattice;
   const ArmBounds r1 = arm_bounds(job.scene);
   const std::array<Axis, 3> axes{
-      {{"r1", spec.r1, r1.low_text + " < r1 (47)", "r1 < " + r1.high_text + " (47)",
-        lattice.extent()[0]},
-       {"r3", spec.r3, "lattice.shortest-sling", "r3 < h0 (48)", lattice.extent()[1]},
-       {"r2", spec.r2, "0 < r2 (49)", "r2 < h0 - r3 (49)", lattice.row_length(index[1])}}};
+      {{"r1", design.r1, spec.r1, {r1.low_text + " < r1 (47)", "r1 < " + r1.high_text + " (47)"}},
+       {"r3", design.r3, spec.r3, {"lattice.shortest-sling", "r3 < h0 (48)"}},
+       {"r2", design.r2, spec.r2, {"0 < r2 (49)", "r2 < h0 - r3 (49)"}}}};
   std::vector<std::string> bounds;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const Axis& axis = axes[d];
-    const bool largest = index[d] + 1 == axis.count;
-    if (lattice.extent()[d] == 1 || (index[d] > 0 && !largest)) continue;
-    bounds.push_back(fmt::format(
-        "{} = {} m, the {} allowed by {}", axis.name, lattice.axes()[d][index[d]],
-        largest ? "largest" : "smallest",
-        axis.range ? fmt::format("lattice.{}", axis.name) : (largest ? axis.upper : axis.lower)));
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const auto& [name, length, range, lower_upper] = axes[e / 2];
+    if (edges[e])
+      bounds.push_back(fmt::format("{} = {:.9g} m, the {} allowed by {}", name, length,
+                                   e % 2 == 0 ? "smallest" : "largest",
+                                   range ? fmt::format("lattice.{}", name) : lower_upper[e % 2]));
   }
-  return bounds;
+  if (bounds.empty()) return "";
+  return fmt::format("the optimum lies on the edge of the lattice: {}", fmt::join(bounds, "; "));
+}
+
+/// Adds a line, unless it is empty.
+void add(std::vector<std::string>& lines, const std::string& line) {
+  if (!line.empty()) lines.push_back(line);
 }
 
 /// The largest speed of the optimum and the checked designs, m/s; 0 without a release.
@@ -118,93 +161,136 @@ std::string slack_warning(std::span<const Check> checks, double best_value, Fiel
       slack, std::count_if(checks.begin(), checks.end(), is_best), info(objective).name);
 }
 
-/// The edges of a lattice that a design may lie on.
-constexpr std::array edge_names{"the smallest r1", "the largest r1",  "the smallest r3",
-                                "the largest r3",  "the smallest r2", "the largest r2"};
-
-/// Which of these edges the design at an index lies on. An axis with a single value has none.
-std::array<bool, 6> edges_at(const Lattice& lattice, const Index3& index) {
-  const auto& [i1, i3, i2] = index;
-  const auto& r1 = lattice.r1_indices();
-  const bool first_r1 = i1 == r1.front(), last_r1 = i1 == r1.back();
-  const bool last_row = i3 + 1 == lattice.extent()[1] || lattice.row_length(i3 + 1) == 0;
-  const bool last_r2 = i2 + 1 == lattice.row_length(i3);
-  return {first_r1 && !last_r1, last_r1 && !first_r1, i3 == 0 && !last_row,
-          last_row && i3 != 0,  i2 == 0 && !last_r2,  last_r2 && i2 != 0};
+/// "A in 3, B in 2": the names with counts above 0.
+template <std::size_t N>
+std::string counts_text(const std::array<const char*, N>& names,
+                        const std::array<std::uint64_t, N>& counts) {
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < N; ++i)
+    if (counts[i] > 0) parts.push_back(fmt::format("{} in {}", names[i], counts[i]));
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// In how many scenes the optimum of the lattice lies on which edge; empty if on none.
-std::string edges_text(const Study& study, std::span<const Tally> tallies) {
+/// In how many scenes of a study the optimum lies on which edge; empty if on none.
+std::string edges_text(const Study& study, std::span<const BestDesign> best) {
   std::array<std::uint64_t, edge_names.size()> counts{};
   std::uint64_t scenes = 0;
-  for (std::uint64_t scene = 0; scene < tallies.size(); ++scene) {
-    const std::uint64_t cell = tallies[scene].best_cell;
-    if (cell == no_cell) continue;
-    const Lattice& lattice = study.lattice(scene);
-    const auto edges = edges_at(lattice, lattice.index_of(study.design(cell).second));
+  for (std::uint64_t scene = 0; scene < best.size(); ++scene) {
+    const Edges edges = edges_of(study, scene, best[scene]);
     for (std::size_t e = 0; e < edges.size(); ++e) counts[e] += edges[e];
     scenes += std::ranges::count(edges, true) > 0;
   }
   if (scenes == 0) return "";
-  std::vector<std::string> parts;
-  for (std::size_t e = 0; e < counts.size(); ++e)
-    if (counts[e] > 0) parts.push_back(fmt::format("{} in {}", edge_names[e], counts[e]));
   return fmt::format("the optimum of {} of {} scenes lies on the edge of the lattice: {}", scenes,
-                     study.scenes(), fmt::join(parts, ", "));
+                     study.scenes(), counts_text(edge_names, counts));
+}
+
+bool has(std::span<const BuildProblem> problems, BuildFault fault) {
+  return std::ranges::count(problems, fault, &BuildProblem::fault) > 0;
+}
+
+/// In what the best design of a scene cannot be built.
+std::vector<BuildProblem> problems_of(const Study& study, std::uint64_t scene,
+                                      const BestDesign& best) {
+  if (!best.exists()) return {};
+  return build_problems(scene_at(study.job(), scene), best.build);
+}
+
+/// In how many scenes of a study the optimum cannot be built, and why, with an example: the best of
+/// all scenes if it is one of them. Empty if in none.
+std::string build_text(const Study& study, const Summary& summary,
+                       std::span<const BestDesign> best) {
+  constexpr std::array faults{"below the ground", "a slack sling", "a compressed hanger"};
+  const std::optional<Optimum> optimum =
+      summary.refined ? summary.refined->optimum : summary.optimum;
+  std::array<std::uint64_t, faults.size()> counts{};
+  std::uint64_t scenes = 0;
+  std::string example;
+  for (std::uint64_t scene = 0; scene < best.size(); ++scene) {
+    const auto problems = problems_of(study, scene, best[scene]);
+    if (problems.empty()) continue;
+    for (std::size_t f = 0; f < faults.size(); ++f)
+      counts[f] += has(problems, static_cast<BuildFault>(f));
+    const bool is_best = optimum && optimum->scene == scene;
+    if (++scenes == 1 || is_best)
+      example = fmt::format("{} with {}: {}", is_best ? "the best one," : "that",
+                            outer_values_text(study.job(), scene), to_text(problems));
+  }
+  if (scenes == 0) return "";
+  return fmt::format("the optimum of {} of {} scenes cannot be built: {}, such as {}", scenes,
+                     study.scenes(), counts_text(faults, counts), example);
+}
+
+/// Warnings from the checks of one scene. `is_slack`: whether the sling of its best design goes
+/// slack, which is reported already.
+std::vector<std::string> check_warnings(const Job& job, const std::optional<Optimum>& optimum,
+                                        const std::optional<MeasuredError>& error,
+                                        std::span<const Check> checks, bool is_slack) {
+  std::vector<std::string> lines;
+  const double largest = largest_speed(optimum, checks);
+  add(lines, status_warning(checks, job.solver));
+  add(lines, efficiency_warning(checks, largest));
+  if (error) add(lines, speed_warning(*error, largest, job.solver));
+  if (optimum && !is_slack && job.output.optimum_filter == OptimumFilter::all &&
+      job.scene.sling_stiffness == 0)
+    add(lines, slack_warning(checks, optimum->value, job.optimum.objective));
+  return lines;
+}
+
+/// How many of the scenes checked, but one, have warnings, with an example; empty if none has.
+std::string others_text(const Study& study, std::span<const ErrorSample> samples,
+                        std::uint64_t but) {
+  const Job& job = study.job();
+  std::string example;
+  std::uint64_t scenes = 0, others = 0;
+  for (const ErrorSample& sample : samples) {
+    if (sample.scene == but) continue;
+    ++others;
+    const auto lines =
+        check_warnings(job_at(job, sample.scene), std::nullopt,
+                       measured_error({&sample, 1}, sample.scene), sample.checks, false);
+    if (lines.empty()) continue;
+    ++scenes;
+    example = fmt::format("{}: {}", outer_values_text(job, sample.scene), lines.front());
+  }
+  if (scenes == 0) return "";
+  return fmt::format("{} of {} other scenes checked have warnings, such as that with {}", scenes,
+                     others, example);
 }
 
 }  // namespace
 
-std::vector<std::string> warnings(const Job& job, const Lattice& lattice,
-                                  const std::optional<Optimum>& optimum,
-                                  const std::optional<MeasuredError>& error,
-                                  std::span<const Check> checks) {
-  std::vector<std::string> lines;
-  const auto add = [&](const std::string& line) {
-    if (!line.empty()) lines.push_back(line);
-  };
-  if (optimum && !job.optimum.refine)  // else the search goes beyond the edge
-    if (const auto bounds = bounds_at(optimum->design, job, lattice); !bounds.empty())
-      add(fmt::format("the optimum lies on the edge of the lattice: {}", fmt::join(bounds, "; ")));
-  add(status_warning(checks, job.solver));
-  const double largest = largest_speed(optimum, checks);
-  add(efficiency_warning(checks, largest));
-  if (error) add(speed_warning(*error, largest, job.solver));
-  if (optimum && job.output.optimum_filter == OptimumFilter::all && job.scene.sling_stiffness == 0)
-    add(slack_warning(checks, optimum->value, job.optimum.objective));
-  return lines;
-}
-
 std::vector<std::string> warnings(const Study& study, const Summary& summary,
-                                  std::span<const Tally> tallies,
+                                  std::span<const BestDesign> best,
                                   std::span<const ErrorSample> samples) {
   const Job& job = study.job();
-  const std::uint64_t best = summary.optimum ? summary.optimum->scene : 0;
-  const auto sample = std::ranges::find(samples, best, &ErrorSample::scene);
+  const std::uint64_t scene = summary.optimum ? summary.optimum->scene : 0;
+  const auto problems = problems_of(study, scene, best[scene]);
+  const auto sample = std::ranges::find(samples, scene, &ErrorSample::scene);
   const std::span<const Check> checks =
       sample == samples.end() ? std::span<const Check>() : std::span(sample->checks);
-  std::vector<std::string> lines =
-      warnings(job_at(job, best), study.own_lattice(best), summary.optimum, summary.error, checks);
-  if (!is_study(job)) return lines;
 
-  for (std::string& line : lines)
-    line = fmt::format("the best scene, {}: {}", outer_values_text(job, best), line);
-  std::string example;
-  std::uint64_t scenes = 0;
-  for (const ErrorSample& other : samples) {
-    if (other.scene == best) continue;
-    const auto of_scene =
-        warnings(job_at(job, other.scene), study.own_lattice(other.scene), std::nullopt,
-                 measured_error({&other, 1}, other.scene), other.checks);
-    if (of_scene.empty()) continue;
-    ++scenes;
-    example = fmt::format("{}: {}", outer_values_text(job, other.scene), of_scene.front());
+  std::vector<std::string> of_scene;
+  // Refined, another scene than that of the best lattice may be the best.
+  if (!is_study(job) || !job.optimum.refine)
+    add(of_scene,
+        edge_warning(job_at(job, scene), best[scene].design, edges_of(study, scene, best[scene])));
+  for (const std::string& line : check_warnings(job_at(job, scene), summary.optimum, summary.error,
+                                                checks, has(problems, BuildFault::slack_sling)))
+    of_scene.push_back(line);
+
+  std::vector<std::string> lines;
+  if (!is_study(job)) {
+    if (!problems.empty())
+      lines.push_back(fmt::format("the optimum cannot be built: {}", to_text(problems)));
+    lines.insert(lines.end(), of_scene.begin(), of_scene.end());
+    return lines;
   }
-  if (scenes > 0)
-    lines.push_back(fmt::format("{} of {} other scenes checked have warnings, such as that with {}",
-                                scenes, samples.size() - 1, example));
-  if (const std::string edges = edges_text(study, tallies); !edges.empty() && !job.optimum.refine)
-    lines.push_back(edges);
+  add(lines, build_text(study, summary, best));
+  for (const std::string& line : of_scene)
+    lines.push_back(fmt::format("the best scene, {}: {}", outer_values_text(job, scene), line));
+  add(lines, others_text(study, samples, scene));
+  add(lines, edges_text(study, best));
   return lines;
 }
 

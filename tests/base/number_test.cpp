@@ -51,6 +51,17 @@ TEST_CASE("Durations are in seconds, or in the colon notation of batch systems")
     CHECK_THROWS_WITH(seconds(text), contains(std::string("time-limit = ") + text + ": must be"));
 }
 
+TEST_CASE("Only the largest unit of a duration may exceed the next larger one") {
+  const auto seconds = [](const std::string& text) { return to_seconds("time-limit", text); };
+  CHECK(seconds("600") == 600);
+  CHECK(seconds("90:00") == 5400);
+  CHECK(seconds("48:59:59.5") == 176399.5);
+  CHECK(seconds("40-23:00:00") == 3538800);
+  for (const char* text : {"1:60", "1:90.5", "1:60:00", "0:0:60", "1-24:00:00", "1-00:99:00"})
+    CHECK_THROWS_WITH(seconds(text),
+                      contains("with seconds and minutes below 60 and hours below 24"));
+}
+
 TEST_CASE("Units are printed in common notation") {
   CHECK(unit_text("m s-1") == "m/s");
   CHECK(unit_text("rad s-1") == "rad/s");

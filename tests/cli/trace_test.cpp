@@ -14,6 +14,7 @@
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/cli/help.hpp"
 #include "trebsweep/swing/flight.hpp"
+#include "trebsweep/swing/integrate.hpp"
 
 using namespace trebsweep;
 
@@ -27,6 +28,7 @@ struct Table {
   std::string header;
   std::vector<std::map<std::string, double>> rows;
   Status status;
+  std::string problems;
 };
 
 /// What trace() or trace_flight() printed, read back.
@@ -34,7 +36,9 @@ Table read_trace(const Job& job, std::optional<double> interval = {},
                  const Design<double>& design = optimum, decltype(trace)* print = trace) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
   Table table;
-  table.status = print(job, design, interval, file.get());
+  const auto [status, problems] = print(job, design, interval, file.get());
+  table.status = status;
+  table.problems = to_text(problems);
   std::string text(static_cast<std::size_t>(std::ftell(file.get())), '\0');
   std::rewind(file.get());
   REQUIRE(std::fread(text.data(), 1, text.size(), file.get()) == text.size());
@@ -116,9 +120,10 @@ TEST_CASE("A trace starts with comments on fulcrum and release, then the header 
   const Table table = read_trace(paper());
   CHECK(table.header ==
         "t phi1 phi2 w1 w2 x1 y1 xt yt x3 y3 speed energy tension tip_tension axle stress");
-  CHECK(table.comments == std::vector<std::string>{"# fulcrum-height = 1.5", "# release = window",
-                                                   "# release-window = 0.05",
-                                                   "# release-time = 0.92"});
+  REQUIRE(table.comments.size() == 9);
+  CHECK(std::vector(table.comments.begin(), table.comments.begin() + 4) ==
+        std::vector<std::string>{"# fulcrum-height = 1.5", "# release = window",
+                                 "# release-window = 0.05", "# release-time = 0.92"});
   Job job = accurate();
   CHECK(comment(read_trace(job), "release-angle") == job.solver.release_angle);
   CHECK(comment(read_trace(job), "release-time") == Approx(0.9070885913).margin(1e-9));
@@ -193,6 +198,146 @@ TEST_CASE("The counterweight hangs from the hinge, which pulls it by the tension
                          std::cos(row.at("phi3")) * upward);
     CHECK(row.at("hanger_tension") == Approx(pull).epsilon(1e-3));
   }
+}
+
+namespace {
+
+/// A machine whose arm and hanger are too long for its height.
+Job sunken() {
+  Job job;
+  job.scene.counterweight_mass = 60;
+  job.scene.projectile_mass = 0.5;
+  job.scene.fulcrum_height = 1.1;
+  job.scene.beam_side = 0.05;
+  job.scene.beam_density = 700;
+  job.scene.start_angle = 0.5;
+  job.scene.counterweight_hanger = 0.6;
+  job.scene.trough = true;
+  job.solver.release = Release::fastest;
+  return job;
+}
+constexpr Design<double> sunken_machine{0.9, 1, 2};
+
+/// The least value of f(row), and its time.
+template <class F>
+std::pair<double, double> least(const Table& table, F f) {
+  std::pair<double, double> found{INFINITY, NAN};
+  for (const auto& row : table.rows)
+    if (f(row) < found.first) found = {f(row), row.at("t")};
+  return found;
+}
+
+/// The number of a comment and of that about its time.
+std::pair<double, double> commented(const Table& table, const std::string& key) {
+  return {comment(table, key), comment(table, key + "-time")};
+}
+
+/// Checks the least heights and tensions in the comments against the rows.
+void check_least(const Job& job, const Design<double>& design, double size = 1) {
+  constexpr double interval = 5e-5;
+  const Table table = read_trace(job, interval, design);
+  const auto close = [&](const std::string& key, const auto& expected, double allowed) {
+    INFO(key << " of a swing until " << table.rows.back().at("t") << " s");
+    const auto [value, time] = commented(table, key);
+    CHECK(value == Approx(expected.first).margin(allowed));
+    CHECK(time == Approx(expected.second).margin(1e-4));
+  };
+  const auto column = [](const std::string& name) {
+    return [name](const auto& row) { return row.at(name); };
+  };
+  const double lift_off = comment(table, "lift-off-time");
+  std::map<std::string, std::pair<double, double>> bodies{
+      {"tip", least(table, column("yt"))}, {"counterweight", least(table, column("y1"))}};
+  bodies["projectile"] = least(table, [&](const auto& row) {
+    return job.scene.trough && !(row.at("t") >= lift_off) ? INFINITY : row.at("y3");
+  });
+  std::string lowest = "tip";
+  for (const auto& [body, height] : bodies)
+    if (height.first < bodies[lowest].first) lowest = body;
+  CHECK(std::ranges::count(table.comments, "# ground-clearance-of = " + lowest) == 1);
+  auto height = bodies[lowest];
+  height.first += job.scene.fulcrum_height;
+  close("ground-clearance", height, 1e-6);
+  close("least-sling-tension", least(table, column("tension")), 2e-5 * size);
+  if (job.scene.counterweight_hanger > 0)
+    close("least-hanger-tension", least(table, column("hanger_tension")), 2e-5 * size);
+  else
+    CHECK(std::isnan(comment(table, "least-hanger-tension")));
+}
+
+}  // namespace
+
+TEST_CASE("The comments say where and when heights and tensions of the rows are least") {
+  Job job = sunken();
+  check_least(job, sunken_machine, 1000);
+  job.scene.start_angle = 0.99;
+  check_least(job, sunken_machine, 1000);  // the counterweight is lowest
+  job.solver.stepper = "rk4";
+  job.solver.time_step = 0.002;
+  check_least(job, sunken_machine, 1000);
+  job.solver.max_time = 0.7;
+  job.solver.release = Release::crossing;
+  check_least(job, sunken_machine, 1000);  // without a release
+  check_least(laboratory(), laboratory_machine, 1000);
+  check_least(accurate(), optimum, 1000);
+  check_least(paper(), optimum, 1000);
+}
+
+TEST_CASE("The least values of a trace are those of the fields") {
+  const auto check = [](Job job, const Design<double>& design) {
+    job.solver.tolerance = 1e-11;
+    constexpr std::array fields{Field::ground_clearance, Field::least_sling_tension,
+                                Field::least_hanger_tension};
+    SwingResult result;
+    std::array<double, 3> values;
+    integrate(job.scene, job.solver, {{&design, 1}, {&result, 1}, fields, values});
+    const Table table = read_trace(job, {}, design);
+    for (std::size_t f = 0; f < 3; ++f)
+      if (f < 2 || job.scene.counterweight_hanger > 0)
+        CHECK(comment(table, std::string(info(fields[f]).name)) ==
+              Approx(values[f]).epsilon(1e-8).margin(1e-6));
+  };
+  Job elastic = accurate();
+  elastic.scene.sling_stiffness = 1e5;
+  check(sunken(), sunken_machine);
+  check(laboratory(), laboratory_machine);
+  check(paper(), optimum);
+  check(elastic, optimum);
+}
+
+TEST_CASE("A projectile on the ground, in the trough or just lifted off, is not under it") {
+  for (const double max_time : {0.2, 10.0}) {  // before the lift-off, and after it
+    Job job = laboratory();
+    job.solver.max_time = max_time;
+    Design<double> design = laboratory_machine;
+    design.r2 = 0.9;  // the tip clears the ground
+    const Table table = read_trace(job, {}, design);
+    CHECK(table.problems == "");
+    if (max_time < 1) {
+      CHECK(comment(table, "ground-clearance") == Approx(0.831 - 0.9 * std::cos(0.55)));
+      CHECK(std::ranges::count(table.comments, "# ground-clearance-of = tip") == 1);
+    } else {
+      CHECK(comment(table, "ground-clearance") == 0);
+      CHECK(comment(table, "ground-clearance-time") == comment(table, "lift-off-time"));
+      CHECK(std::ranges::count(table.comments, "# ground-clearance-of = projectile") == 1);
+    }
+  }
+}
+
+TEST_CASE("A trace says in what the machine cannot be built, also without a release") {
+  Job job = sunken();
+  const std::string problems = read_trace(job, {}, sunken_machine).problems;
+  CHECK_THAT(problems,
+             contains("the arm's tip reaches 0.66 m below the ground; the counterweight reaches "
+                      "0.26 m below the ground; the sling goes slack: to stay straight, it would "
+                      "have to push with 281 N; the counterweight's hanger is under a compression "
+                      "of 3.2"));
+  CHECK(read_trace(job, {}, sunken_machine, trace_flight).problems == problems);
+  job.solver.max_time = 0.1;
+  const Table early = read_trace(job, {}, sunken_machine);
+  CHECK(early.status == Status::never_lifted);
+  CHECK(early.problems == "the arm's tip reaches 0.66 m below the ground");
+  CHECK(read_trace(accurate()).problems == "");
 }
 
 TEST_CASE("A projectile that the trough would have to hold lifts off at the start") {

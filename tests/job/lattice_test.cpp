@@ -4,6 +4,7 @@
 
 #include "support/catch.hpp"
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/model/start.hpp"
 
 using namespace trebsweep;
 
@@ -138,15 +139,65 @@ TEST_CASE("The message about a hanger that leaves no design names the key to cha
   CHECK_THROWS_WITH(Lattice(scene, {}), contains("r1 must be longer than 0 m"));
 }
 
-TEST_CASE("The slings and throwing arms of a scene with a trough must be given") {
+TEST_CASE("With a trough, r3 and r2 have by default an axis around the fulcrum's height") {
   Scene scene;
   scene.trough = true;
-  LatticeSpec spec;
-  CHECK_THROWS_WITH(Lattice(scene, spec), contains("lattice.r3: must be given with scene.trough"));
+  scene.start_angle = 0.8;
+  for (const double h0 : {0.0123, 0.3, 0.831, 1.5, 1.51, 5.5, 8.0, 299.0}) {
+    INFO(h0);
+    scene.fulcrum_height = h0;
+    const LatticeSpec spec = with_trough_axes({}, false, h0, h0);
+    const Lattice lattice(scene, spec);
+    for (const std::size_t axis : {1, 2}) {
+      CHECK(lattice.axes()[axis].front() == Approx(0.4 * h0).margin(spec.increment / 2));
+      CHECK(lattice.axes()[axis].back() == Approx(2.2 * h0).margin(spec.increment / 2));
+      CHECK(lattice.axes()[axis][1] - lattice.axes()[axis][0] == Approx(spec.increment));
+    }
+    CHECK(lattice.designs() > 10'000);
+    CHECK(lattice.designs() < 100'000);
+  }
+  CHECK(with_trough_axes({}, false, 1.5, 1.5).increment == 0.05);
+  CHECK(with_trough_axes({}, false, 0.831, 0.831).increment == 0.03);
+}
+
+TEST_CASE(
+    "By default most slings reach a trough, which none does within the bounds (48) and (49)") {
+  Scene scene;
+  scene.start_angle = 0.8;
+  const auto reaching = [&](const LatticeSpec& spec) {
+    const Lattice lattice(scene, spec);
+    const auto [n1, n3, n2] = lattice.extent();
+    std::uint64_t count = 0;
+    for (std::size_t i3 = 0; i3 < n3; ++i3)
+      for (std::size_t i2 = 0; i2 < lattice.row_length(i3); ++i2)
+        count += sling_reaches_trough(scene, lattice.design({0, i3, i2}));
+    return static_cast<double>(count * n1) / static_cast<double>(lattice.designs());
+  };
+  scene.trough = true;
+  CHECK(reaching({}) == 0);
+  CHECK(reaching(with_trough_axes({}, false, 1.5, 1.5)) > 0.9);
+}
+
+TEST_CASE("With a trough, given axes and a given increment are kept") {
+  LatticeSpec spec = with_increment(0.07);
   spec.r3 = AxisRange{1.2, 1.4, 0.1};
-  CHECK_THROWS_WITH(Lattice(scene, spec), contains("lattice.r2: must be given with scene.trough"));
+  const LatticeSpec one = with_trough_axes(spec, true, 1.5, 1.5);
+  CHECK(one.increment == 0.07);
+  CHECK(one.r3->last == 1.4);
+  CHECK(one.r2->step == 0.07);
+  CHECK_FALSE(one.r1);
   spec.r2 = AxisRange{1, 1.3, 0.1};
-  CHECK(Lattice(scene, spec).extent() == Index3{99, 3, 4});
+  const LatticeSpec both = with_trough_axes(spec, false, 1.5, 1.5);
+  CHECK(both.increment == 0.07);
+  CHECK(both.r2->last == 1.3);
+}
+
+TEST_CASE("A step that is too short for a trough's axes is refused as the increment") {
+  Scene scene;
+  scene.trough = true;
+  const LatticeSpec spec = with_trough_axes(with_increment(1e-9), true, 1.5, 1.5);
+  CHECK_THROWS_WITH(Lattice(scene, spec),
+                    contains("lattice.increment = 1e-09") && contains("cells"));
 }
 
 TEST_CASE("A lattice that is too large is refused, with its size, before it is stored") {

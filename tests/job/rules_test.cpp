@@ -29,6 +29,25 @@ TEST_CASE(
   CHECK(parse("[solver]\nstepper = rk4\nrelease = window\n").solver.release == Release::window);
 }
 
+TEST_CASE(
+    "An elastic sling that would start far below the ground is refused with the least stiffness") {
+  // The paper's: 100 kg * 9.8 m/s^2 = 980 N, and 10 * 1.5 m: 65.3 N/m.
+  const std::string message =
+      "must be 0 (rigid), or at least 66 N/m: at the start, the weight that the sling carries must "
+      "not stretch it by more than 10 times scene.fulcrum-height = 1.5";
+  CHECK_THROWS_WITH(parse_scene("sling-stiffness = 1e-12\n"),
+                    contains("scene.sling-stiffness = 1e-12: " + message));
+  CHECK_THROWS_WITH(parse_scene("sling-stiffness = 65\n"),
+                    contains("scene.sling-stiffness = 65: " + message));
+  for (const std::string scene :
+       {"sling-stiffness = 66\n", "sling-stiffness = 65\nfulcrum-height = 1.6\n",
+        "sling-stiffness = 1e-12\nsling-angle = 2\n",
+        "sling-stiffness = 60\nstart-angle = 1\nprojectile-mass = 90\n"})
+    CHECK_NOTHROW(parse_scene(scene));
+  CHECK_THROWS_WITH(parse_scene("sling-stiffness = 0, 50, 100\n"),
+                    contains("(in the scene with sling-stiffness = 50 N/m)"));
+}
+
 TEST_CASE("The message about a key that the solver does not use says what to do") {
   CHECK_THROWS_WITH(parse("[solver]\nstepper = euler\ntolerance = 1e-9\n"),
                     contains("solver.tolerance = 1e-9: must be left out") &&
@@ -211,6 +230,15 @@ TEST_CASE("Only a projectile with a diameter uses the keys of the air") {
     CHECK_THROWS_AS(parse_scene("projectile-diameter = 0\n" + key + " = 0.5\n"), InputError);
     CHECK_NOTHROW(parse_scene("projectile-diameter = 0.05\n" + key + " = 0.5\n"));
   }
+}
+
+TEST_CASE("The shortest sling is refused where a trough has its axis of r3 by default") {
+  const std::string lattice = "[lattice]\nshortest-sling = 0.5\n";
+  CHECK_THROWS_WITH(parse_scene("trough = yes\n" + lattice),
+                    contains("lattice.shortest-sling = 0.5: must be left out with scene.trough = "
+                             "yes; give lattice.r3"));
+  CHECK_NOTHROW(parse_scene("trough = yes\n" + lattice + "r3 = 1.2\n"));
+  CHECK_NOTHROW(parse_scene(lattice));
 }
 
 TEST_CASE("An elastic sling is refused with a hanger and with a trough") {

@@ -53,6 +53,21 @@ TEST_CASE("The job of a scene is the one that is given its values alone") {
   CHECK(to_text(job_at(job, 4)) != to_text(own));
 }
 
+TEST_CASE("By default all scenes with a trough have the same slings and throwing arms") {
+  const Job job = parse_job(
+      "[scene]\ntrough = yes\nstart-angle = 0.8\nfulcrum-height = 2, 1, 1.5\n", "study.cfg", {});
+  const Study study(job);
+  REQUIRE(study.lattices().size() == 3);
+  for (const std::size_t axis : {1, 2}) {
+    const std::vector<double>& values = study.axes()[axis];
+    CHECK(values.front() == Approx(0.4 * 1).margin(job.lattice.increment / 2));
+    CHECK(values.back() == Approx(2.2 * 2).margin(job.lattice.increment / 2));
+    for (std::uint64_t scene = 0; scene < 3; ++scene)
+      CHECK(study.own_lattice(scene).axes()[axis] == values);
+  }
+  CHECK(to_text(parse_job(to_text(job), "study.cfg", {})) == to_text(job));
+}
+
 TEST_CASE("In the common box each scene has the designs of its own lattice, in the same order") {
   const Job job = job_of_six_scenes();
   const Study study(job);

@@ -23,7 +23,7 @@ OptimumResult some_result() {
   result.hessian = {{{-11, 12, 13}, {12, -22, 23}, {13, 23, -33}}};
   result.allowances = {{{0.0101, 0.0151}, {0.0156, HUGE_VAL}, {0.0166, 0.3228}}};
   result.sensitivities = {{"gravity", {9.8, 0.865, 0.875}}, {"sling-mass", {0, -0.01, -0.02}}};
-  result.maxima = {{result.design, result.value, 3}, {{0.6, 0.7, 0.8}, 20.5, 1}};
+  result.maxima = {{result.design, result.value, 3, true}, {{0.6, 0.7, 0.8}, 20.5, 1, true}};
   result.coarse_increment = 0.02;
   result.starts = 4;
   result.designs = 123456;

@@ -9,6 +9,7 @@ import json
 import os
 import random
 import shutil
+import signal
 import subprocess
 import sys
 import unittest
@@ -52,7 +53,8 @@ LABORATORY_FIELDS = "speed, status, range, flight-time, impact-speed, apex, lift
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, ANALYSIS)
-import compare  # noqa: E402  (found by the path)
+import assess  # noqa: E402  (found by the path)
+import compare  # noqa: E402
 import heatmap  # noqa: E402
 import loads  # noqa: E402
 import machine  # noqa: E402
@@ -233,6 +235,34 @@ class Heatmaps(PictureTest):
         self.run_script("compare.py", "single.h5", "single.h5", says="no picture")
         self.assertFalse(os.path.exists(self.path("single.png")))
 
+    def test_contours_have_the_same_levels_in_all_panels_and_labels_that_differ_from_their_ground(self):
+        contour, drawn = plt.matplotlib.axes.Axes.contour, []
+
+        def record(*arguments, **options):
+            drawn.append(contour(*arguments, **options))
+            return drawn[-1]
+
+        for archive, field in (("accurate.h5", "speed"), ("loads.h5", "peak_axle_load")):
+            drawn.clear()
+            with unittest.mock.patch.object(plt.matplotlib.axes.Axes, "contour", record):
+                self.figure(archive, field)
+            self.assertEqual(len(drawn), 3)
+            for lines in drawn:
+                np.testing.assert_array_equal(lines.levels, drawn[0].levels)
+                self.assertGreater(len(lines.labelTexts), 0)
+                mesh = lines.axes.collections[0]
+                for text in lines.labelTexts:
+                    self.assertGreaterEqual(text.get_fontsize(), 8)
+                    ground = np.mean(mesh.to_rgba(float(text.get_text()))[:3])
+                    colour = np.mean(plt.matplotlib.colors.to_rgb(text.get_color()))
+                    self.assertGreater(abs(ground - colour), 0.3)
+
+    def test_levels_that_no_panel_reaches_are_left_out(self):
+        flat, steep = np.full((3, 3), 2.0), np.arange(9.0).reshape(3, 3)
+        self.assertEqual(maps.contour_levels([flat, flat]), [])
+        self.assertEqual(maps.contour_levels([np.full((2, 2), np.nan)]), [])
+        self.assertIn(4, maps.contour_levels([flat, steep]))
+
     def test_every_status_has_a_colour_of_its_own(self):
         meanings = Archive(self.path("paper.h5")).meanings("status")
         style = maps.flag_colours(meanings)
@@ -380,6 +410,34 @@ class Reports(PictureTest):
         self.run_script("heatmap.py", "assess.h5", code=1,
                         says="assess.h5: is not an archive of trebsweep")
 
+    def test_errors_beyond_the_axis_are_marked(self):
+        inf, nan = np.inf, np.nan
+        made = assess.Assessment.__new__(assess.Assessment)
+        columns = {"scene": ["calm"] * 2 + ["wild"] * 5, "stepper": ["euler", "rk4", *["euler"] * 5],
+                   "seconds": [1e-6, 2e-6, 1e-6, 2e-6, 4e-6, 8e-6, 1e-5], "error_largest": [1, 0.1, inf, nan, 50, 0.3, 0.2],
+                   "different": [0, 0, 0, 1, 0, 0, 1]}
+        made.tables = {"accuracy": {name: np.array(values) for name, values in columns.items()},
+                       "reference": {"scene": np.array(["calm", "wild"]), "speed_bound": np.array([1e-12, 1e-12])}}
+        figure = assess.draw_errors(made, "seconds", "run time (s)", "Error")
+        self.addCleanup(plt.close, figure)
+        calm, wild = figure.axes
+        marks = [line for line in wild.get_lines() if line.get_marker() == assess.BEYOND]
+        np.testing.assert_array_equal(np.concatenate([line.get_xdata() for line in marks]), [1e-6, 2e-6, 4e-6, 1e-5])
+        curve = next(line for line in wild.get_lines() if line.get_label() == "euler")
+        np.testing.assert_array_equal(curve.get_ydata(), [nan, nan, nan, 0.3, nan])
+        for line in marks:
+            self.assertEqual(line.get_color(), curve.get_color())
+            shown = line.get_transform().transform(np.column_stack(line.get_data()))
+            box = wild.get_window_extent()
+            self.assertTrue((shown[:, 1] > box.y0 + 0.9 * box.height).all() and (shown[:, 1] < box.y1).all())
+        self.assertNotIn(assess.BEYOND, [line.get_marker() for line in calm.get_lines()])
+        explained = "\u2191 an error above 10 m/s, or an outcome that is not the true one"
+        self.assertIn(explained, figure._suptitle.get_text())
+        made.tables["accuracy"] = {name: values[:2] for name, values in made.tables["accuracy"].items()}
+        figure = assess.draw_errors(made, "seconds", "run time (s)", "Error")
+        self.addCleanup(plt.close, figure)
+        self.assertNotIn("\u2191", figure._suptitle.get_text())
+
     def test_of_different_lattices_the_common_designs_are_compared(self):
         self.sweep("accurate", "--lattice.r1", "0.6:1.1:0.1", "--lattice.r3", "0.3:1.3:0.1", name="narrow")
         with h5py.File(self.path("narrow.h5")) as narrow, h5py.File(self.path("accurate.h5")) as wide:
@@ -431,7 +489,12 @@ class Reports(PictureTest):
                 ("heatmap.py", ["accurate.h5", "--field", "mass"],
                  "field = mass: accurate.h5 has no map mass; must be one of release_time, speed"),
                 ("heatmap.py", ["accurate.h5", "-o", "picture.xyz"], "output = picture.xyz: must end"),
-                ("heatmap.py", ["accurate.h5", "--r1", "5"], "r1 = 5: must be from 0.55 to 1.45 m"),
+                ("heatmap.py", ["accurate.h5", "--r1", "5"],
+                 "r1 = 5: must be a value of the axis in accurate.h5, such as 1.45 or 1.4 m, from 0.55 to 1.45 m"),
+                ("heatmap.py", ["accurate.h5", "--r1", "0.64"],
+                 "r1 = 0.64: must be a value of the axis in accurate.h5, such as 0.65 or 0.6 m"),
+                ("heatmap.py", ["accurate.h5", "--r2", "0.123"], "r2 = 0.123: must be a value of the axis"),
+                ("heatmap.py", ["accurate.h5", "--r3", "0.50001"], "such as 0.5 or 0.55 m"),
                 ("heatmap.py", ["accurate.h5", "--r1", "nan"], "r1 = nan: must be"),
                 ("heatmap.py", ["accurate.h5", "--r1", "x"], "--r1: invalid float value: 'x'"),
                 ("heatmap.py", ["accurate.h5", "--colour", "x"], "--colour"),
@@ -592,12 +655,31 @@ class Neighbourhoods(ScriptTest):
             speed = self.swing(name, float(star.get_xdata()))["speed"][-1]
             self.assertAlmostEqual(float(star.get_ydata()), speed, places=8)
 
-    def test_the_marks_are_where_1_percent_is_lost(self):
+    def test_the_marks_are_where_1_percent_is_lost_within_the_limits(self):
+        marks = {}
         for name, drawn in self.panels():
             least = drawn["1 % less than the optimum"].get_ydata()[0]
             self.assertAlmostEqual(least, 0.99 * self.optimum.value, places=12)
-            for x in drawn["where 1 % is lost"].get_xdata():
-                self.assertAlmostEqual(self.swing(name, x)["speed"][-1], least, places=5)
+            marks[name] = drawn["where 1 % is lost"].get_xdata() if "where 1 % is lost" in drawn else []
+            for x in marks[name]:
+                swing = self.swing(name, x)
+                self.assertAlmostEqual(swing["speed"][-1], least, places=5)
+                self.assertLess(swing["stress"].max(), 6e7 * (1 + 1e-6))
+        # Shorter, only the bound of r1 comes before the loss; longer, the stress does.
+        self.assertEqual({name: len(x) for name, x in marks.items()}, {"r1": 0, "r2": 1, "r3": 1})
+
+    def test_a_mark_beyond_a_bound_is_not_drawn(self):
+        for name, least, most in (("r1", 0.501, 0.515), ("r2", 0.511, 0.913)):
+            optimum = self.find(self.JOB, f"--lattice.{name}", f"{least}:{most}:0.002")
+            length = optimum.lengths[name]
+            self.assertEqual(length.longer_limit, f"{name} <= {most}")
+            self.assertAlmostEqual(length.longer, most - length.value, places=9)
+            self.assertIsNone(length.shorter_limit)
+            axes = self.figure(optimum).axes[neighbourhood.PANELS.index(name)]
+            mark = next(line for line in axes.get_lines() if line.get_label() == "where 1 % is lost")
+            np.testing.assert_allclose(mark.get_xdata(), [length.value - length.shorter])
+            self.assertIn(f" mm shorter\nor {round(1000 * length.longer, 4):.3g} mm longer ({name} <= {most} m)",
+                          axes.get_title())
 
     def test_the_region_in_which_the_beam_is_overloaded_is_shaded(self):
         shaded = {}
@@ -668,8 +750,10 @@ class Neighbourhoods(ScriptTest):
                          "subject to peak-beam-stress <= 60 MPa, least-sling-tension >= 0 N")
         for name, axes in zip(neighbourhood.PANELS, figure.axes):
             length = self.optimum.lengths[name]
-            self.assertEqual(axes.get_title(), f"{name} = {length.value:.7f} m\n1 % less: {1000 * length.shorter:.3g}"
-                                               f" mm shorter or {1000 * length.longer:.3g} mm longer")
+            bound = " (r1 >= 0.52 m)" if name == "r1" else ""
+            self.assertEqual(axes.get_title().split("\n"), [
+                f"{name} = {length.value:.7f} m", f"within 1 %: {round(1000 * length.shorter, 4):.3g} mm shorter{bound}",
+                "or 0 mm longer (peak-beam-stress <= 60 MPa)"])
             self.assertTrue(axes.get_xlabel().endswith(f" {name} (m)"))
         self.assertEqual(figure.axes[0].get_ylabel(), "speed of the projectile at release (m/s)")
 
@@ -1040,9 +1124,9 @@ class ScenesOfStudies(StudyTest):
         self.assertEqual(names, [f"{letter}         study.h5, projectile-mass = {mass} kg, fulcrum-height = 1.92 m"
                                  for letter, mass in (("A", 100), ("B", 50))])
         for options in ((), ("--continuous", "--program", PROGRAM)):
-            one = self.run_script("optimum.py", "study.h5", *at, "--job", "one.cfg", *options).stdout
+            one = self.run_script("optimum.py", "study.h5", *at, "--job", "one.cfg", "--overwrite", *options).stdout
             self.assertEqual(one, self.run_script("optimum.py", "alone4.h5", *options).stdout)
-        self.run_script("optimum.py", "study.h5", *at, "--job", "one.cfg")
+        self.run_script("optimum.py", "study.h5", *at, "--job", "one.cfg", "--overwrite")
         self.run_program("sweep", "one.cfg", "--output.file", "again.h5", "--overwrite")
         with h5py.File(self.path("again.h5")) as again, h5py.File(self.path("alone4.h5")) as alone:
             np.testing.assert_array_equal(again["speed"], alone["speed"])
@@ -1202,6 +1286,51 @@ class Studies(StudyTest):
         self.assertEqual([axes.get_ylabel().replace("\n", " ") for axes in figure.axes],
                          ["speed of the optimum (m/s)", "lengths of the optimum (m)", "r3/r2", "r2/r1",
                           "(r2+r3)/h0"])
+
+    def broken(self, **lengths):
+        """The intervals in which the curves of masses.h5 with other optimal lengths break, and the title."""
+        shutil.copy(self.path("masses.h5"), self.path("jump.h5"))
+        with h5py.File(self.path("jump.h5"), "r+") as file:
+            for name in AXES:
+                file[f"best_{name}"][...] = lengths.get(name, np.full(6, 0.6))
+            value = file["best_value"][...]
+        archive = Archive(self.path("jump.h5"))
+        figure = self.figure(archive)
+        archive.file.close()
+        gaps = set()
+        for x, y in self.lines(figure).values():
+            gap = np.flatnonzero(np.isnan(x))
+            self.assertTrue(np.isnan(y[gap]).all())
+            np.testing.assert_array_equal(np.delete(x, gap), self.MANY_MASSES)  # no scene is lost
+            gaps.add(tuple(gap - np.arange(1, len(gap) + 1)))
+        np.testing.assert_array_equal(np.delete(self.lines(figure)["value"][1], gap), value)
+        self.assertEqual(len(gaps), 1)  # all curves break alike
+        return gaps.pop(), figure._suptitle.get_text()
+
+    def test_curves_break_where_the_optimum_jumps(self):
+        words = "\ncurves break where the optimum jumps to another local maximum\n"
+        for jump, lengths in ((2, {"r1": (0.5, 0.51, 0.52, 0.9, 0.92, 0.93)}),
+                              (2, {"r2": (0.74, 0.71, 0.6, 1.05, 1.08, 1.14), "r1": (0.1, 0.1, 0.1, 0.27, 0.4, 0.67)}),
+                              (1, {"r3": (0.9, 0.9, 0.3, 0.3, 0.3, 0.3)})):
+            gaps, title = self.broken(**lengths)
+            self.assertEqual(gaps, (jump,))
+            self.assertIn(words, title)
+        for lengths in ({"r1": (0.5, 0.5, 0.5, 0.7, 0.9, 1.0)},        # leaves a bound
+                        {"r1": (0.5, 0.5, 0.51, 0.53, 0.58, 0.9)},     # ever faster: no interval follows the last
+                        {"r1": (0.9, 0.5, 0.5, 0.5, 0.5, 0.5)},        # nor precedes the first
+                        {"r1": (0.5, 0.5, 0.5, 0.6, 0.6, 0.6)},        # by two steps of the lattice
+                        {"r1": (0.5, 0.5, np.nan, 0.9, 0.9, 0.9)}):    # where a scene has no optimum
+            gaps, title = self.broken(**lengths)
+            self.assertEqual(gaps, ())
+            self.assertNotIn("break", title)
+
+    def test_a_jump_between_local_maxima_of_a_study_is_found(self):
+        # Up to 50 kg a short arm is best, from 100 kg on the longest one.
+        path = self.sweep("accurate", "--scene.projectile-mass", "10, 20, 50, 100, 200, 500", "--scene.beam-side", "0.2",
+                          "--scene.release-height", "1.6", "--optimum.subject-to", "least-sling-tension >= -1",
+                          "--optimum.refine", "yes", "--output.maps", "none", name="heavy")
+        archive = Archive(path)
+        np.testing.assert_array_equal(study.jumps(archive, study.read_quantities(archive)), np.arange(5) == 2)
 
     def test_the_title_tells_how_the_optimum_was_chosen(self):
         best = "\n\u2605 best of all: speed "
@@ -1546,9 +1675,117 @@ class Failures(ScriptTest):
     def test_files_that_cannot_be_written_are_reported(self):
         self.run_script("heatmap.py", "archive.h5", "-o", "no/such/folder.png", code=1,
                         says="no/such/folder.png")
-        self.run_script("heatmap.py", "archive.h5", "-o", "/dev/full", code=1, says="/dev/full")
         self.run_script("optimum.py", "archive.h5", "--job", "no/such/folder.cfg", code=1,
                         says="no/such/folder.cfg")
+        job = self.write("kept.cfg", "kept")
+        before = set(os.listdir(self.directory))
+        for limit, *command in ((1, "heatmap.py", "archive.h5", "-o", "large.png"),
+                                (0, "optimum.py", "archive.h5", "--job", job, "--overwrite")):
+            done = self.run_command("bash", "-c", f'ulimit -f {limit} && exec "$@"', "bash", sys.executable, "-B",
+                                    f"{ANALYSIS}/{command[0]}", *command[1:], code=1)
+            self.assertRegex(done.stderr, r"^\S+: cannot be written: File too large\n$")
+        self.assertEqual(self.read("kept.cfg"), b"kept")
+        self.assertEqual(set(os.listdir(self.directory)) - {"large.png"}, before)
+
+
+class Streams(ScriptTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.sweep("accurate", "--scene.projectile-mass", "50, 100, 200", name="study", increment="0.1")
+        cls.sweep("accurate", name="archive", increment="0.1")
+        cls.sweep("accurate", "--lattice.r1", "0.7", "--lattice.r2", "0.8", "--lattice.r3", "0.5", name="single")
+
+    def test_a_script_whose_reader_leaves_ends_silently(self):
+        for command in (("study.py", "study.h5", "--csv"), ("study.py", "study.h5"), ("sobol.py", "study.h5"),
+                        ("rules.py", "study.h5", "--rule", "r1 < r2"), ("optimum.py", "archive.h5"),
+                        ("compare.py", "archive.h5", "single.h5"), ("heatmap.py", "single.h5"),
+                        ("heatmap.py", "archive.h5"), ("machine.py",)):
+            with self.subTest(command=command):
+                reader, writer = os.pipe()
+                os.close(reader)
+                done = subprocess.run([sys.executable, "-B", f"{ANALYSIS}/{command[0]}", *command[1:]], stdout=writer,
+                                      stderr=subprocess.PIPE, text=True, cwd=self.directory, timeout=60, check=False)
+                os.close(writer)
+                self.assertEqual(done.returncode, 128 + signal.SIGPIPE, done.stderr)
+                self.assertNotIn("pipe", done.stderr.lower())
+
+    def test_no_exit_code_depends_on_stderr(self):
+        self.sweep("accurate", "--solver.max-time", "0.1", name="none", increment="0.1")  # has no optimum: a message
+        for redirection in ("2>&-", "2>/dev/full"):
+            for name in ("none.h5", "archive.h5"):
+                done = self.run_command("bash", "-c", f'exec "$@" {redirection}', "bash", sys.executable, "-B",
+                                        f"{ANALYSIS}/optimum.py", name)
+                self.assertEqual(done.stdout == "", name == "none.h5")
+
+
+class Outputs(ScriptTest):
+    """No script replaces a file by surprise, or waits for the other end of a FIFO."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.sweep("accurate", name="archive", increment="0.1")
+        cls.write("module.wasm", b"a module")
+        cls.write("table.txt", cls.read("archive.h5"))
+        os.symlink("table.txt", cls.path("link"))
+        os.symlink("nowhere", cls.path("dangling"))
+        os.mkfifo(cls.path("fifo"))
+        os.mkdir(cls.path("folder"))
+        # A command for each output that is not a picture, before the name of the output.
+        cls.texts = {"job": ("optimum.py", "archive.h5", "--job"), "output": ("explorer/bundle.py", "module.wasm")}
+
+    def assert_refused(self, option, command, name, words, *options):
+        with self.subTest(command=command, name=name):
+            before = self.read("table.txt")
+            done = self.run_script(*command, name, *options, code=2, says=f"{option} = {name}: {words}")
+            self.assertEqual(done.stdout, "")
+            self.assertEqual(self.read("table.txt"), before)
+
+    def test_an_existing_file_is_not_replaced_by_a_text(self):
+        for option, command in self.texts.items():
+            for name in ("table.txt", "link", "dangling"):
+                self.assert_refused(option, command, name, "exists; name another file, or give --overwrite")
+            for name in ("fifo", "folder", "/dev/full"):
+                for options in ((), ("--overwrite",)):
+                    self.assert_refused(option, command, name, "is not a regular file", *options)
+            self.assert_refused(option, command, command[1], "must not be an input file", "--overwrite")
+        self.assertFalse(os.path.lexists(self.path("nowhere")))
+
+    def test_overwrite_replaces_a_file_and_keeps_a_link_to_it(self):
+        for command in self.texts.values():
+            self.run_script(*command, "text")
+            expected = self.read("text")
+            for name in ("old", "link to old"):
+                self.write("old", "old")
+                if not os.path.lexists(self.path("link to old")):
+                    os.symlink("old", self.path("link to old"))
+                self.run_script(*command, name, "--overwrite")
+                self.assertEqual(self.read("old"), expected)
+                self.assertTrue(os.path.islink(self.path("link to old")))
+            os.remove(self.path("text"))
+
+    def test_a_picture_replaces_only_a_picture_of_its_format(self):
+        self.write("text.png", "a text")
+        for script in ("heatmap.py", "study.py"):
+            for name, words in (("table.txt", "must end in"), ("link", "exists and is no PNG"),
+                                ("text.png", "exists and is no PNG"), ("fifo", "is not a regular file"),
+                                ("folder", "is not a regular file")):
+                self.assert_refused("output", (script, "archive.h5", "-o"), name, words)
+        for suffix in SIGNATURES:
+            self.write(f"map.{suffix}", b"")
+            for _ in range(2):
+                self.run_script("heatmap.py", "archive.h5", "--r1", "0.7", "-o", f"map.{suffix}")
+                self.assert_picture(f"map.{suffix}")
+
+    def test_an_assessment_does_not_replace_other_files(self):
+        self.run_program("assess", f"{JOBS}/scenes/paper.cfg", "--lattice.increment", "0.25", "--assess.designs", "1",
+                         "--assess.steppers", "euler, rk4", "--assess.repeats", "1", "--output.file", "assess.h5")
+        for name in ("x-precision.png", "x-order.png", "x-stability.png"):
+            self.write(name, "a text")
+            self.run_script("assess.py", "assess.h5", "-o", "x", code=2, says=f"output = {name}: exists and is no PNG")
+            self.assertEqual(self.read(name), b"a text")
+            os.remove(self.path(name))
 
 
 class Installed(ScriptTest):

@@ -15,7 +15,7 @@ import unittest
 import h5py
 import numpy as np
 
-from support import JOBS, MPIEXEC, PROGRAM, DirectoryTest
+from support import JOBS, MPIEXEC, PROGRAM, DirectoryTest, mpirun
 
 KERNELS = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
 COARSE = ("--lattice.increment", "0.1")
@@ -45,6 +45,10 @@ class CommandTest(DirectoryTest):
             self.assertIn(word, done.stderr)
         self.assertEqual(self.snapshot(), before)
 
+    def redirected(self, redirection, *command, code=0):
+        """Runs a command with a redirection of bash."""
+        return self.run_command("bash", "-c", f'exec "$@" {redirection}', "bash", *command, code=code)
+
     def snapshot(self):
         """{name: bytes} of the regular files in the directory."""
         return {name: self.read(name) for name in os.listdir(self.directory) if os.path.isfile(self.path(name))}
@@ -68,9 +72,13 @@ class Help(CommandTest):
                           ["trace", self.job, *Trace.DESIGN], ["trace", "--help"]):
             self.assertTrue(self.run_program(*arguments, environment=broken).stdout)
 
-    def test_only_one_rank_prints_the_version_and_a_trace(self):
-        for arguments in (["--version"], ["trace", self.job, *Trace.DESIGN]):
-            self.assertEqual(self.run_program(*arguments, ranks=3).stdout, self.run_program(*arguments).stdout)
+    def test_every_process_of_a_launcher_runs_the_serial_commands(self):
+        self.run_program("sweep", self.job, *COARSE)
+        for arguments in (["--version"], ["--help"], ["info", "job.h5"], ["trace", self.job, *Trace.DESIGN]):
+            alone = self.run_program(*arguments).stdout
+            for variable in ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID"):
+                with self.subTest(arguments=arguments, variable=variable):
+                    self.assertEqual(self.run_program(*arguments, environment={variable: "3"}).stdout, alone)
 
 
 class Precedence(CommandTest):
@@ -150,9 +158,90 @@ class Warnings(CommandTest):
 
     def test_slack_slings_among_the_best_designs_are_reported(self):
         warnings = self.warnings("--scene.sling-angle", "1.5", "--lattice.increment", "0.05")
-        self.assertEqual(sum("sling that would go slack" in line for line in warnings), 1)
+        self.assertEqual(sum("slack" in line for line in warnings), 1)
         warnings = self.warnings("--scene.sling-angle", "1.5", "--lattice.increment", "0.05", "--output.optimum", "taut")
-        self.assertEqual(sum("sling that would go slack" in line for line in warnings), 0)
+        self.assertEqual(sum("the sling goes slack" in line for line in warnings), 0)
+
+    def test_a_refined_optimum_at_the_end_of_a_given_axis_is_reported(self):
+        axes = ("--lattice.r3", "0.5", "--lattice.r2", "0.9", "--optimum.refine", "yes")
+        [warning] = self.warnings("--lattice.r1", "0.6:0.9:0.1", *axes)
+        self.assertIn("on the edge of the lattice: r1 = 0.6 m, the smallest allowed by lattice.r1", warning)
+        self.assertEqual(self.warnings("--lattice.r1", "0.505:0.905:0.1", *axes), [])
+        warnings = self.warnings("--lattice.r1", "0.6:0.9:0.1", *axes, "--scene.release-height", "1.7, 1.9, 2")
+        self.assertEqual(sum("lies on the edge of the lattice: the smallest r1 in" in line for line in warnings), 1)
+
+
+class Buildable(CommandTest):
+    """In what a best design cannot be built: by how much the rows of its trace say."""
+
+    SCENE = ("[scene]\ncounterweight-mass = 60\nprojectile-mass = 0.5\nfulcrum-height = 1.1\nbeam-side = 0.05\n"
+             "beam-density = 700\nstart-angle = 0.5\ncounterweight-hanger = 0.6\ntrough = yes\n"
+             "[lattice]\nr1 = 0.7:0.9:0.1\nr3 = 1\nr2 = 2\n[solver]\nrelease = fastest\n")
+    BODIES = {"the arm's tip": "yt", "the counterweight": "y1", "the projectile": "y3"}
+
+    def setUp(self):
+        super().setUp()
+        self.job = self.write("job.cfg", self.SCENE)
+
+    def swept(self, *arguments):
+        """The warnings of a sweep, and its optimum as options of trace."""
+        done = self.run_program("sweep", self.job, *arguments, "--overwrite", "--progress", "none", ranks=2)
+        with h5py.File(self.path("job.h5")) as file:
+            design = [f"--{name}={float(file.attrs['best_' + name])!r}" for name in ("r1", "r2", "r3")]
+        return [line for line in done.stderr.splitlines() if line.startswith("warning: ")], design
+
+    def assert_described(self, line, design, *scene):
+        """The line names the bodies and tensions that the rows of the design's trace have below zero."""
+        done = self.run_program("trace", self.job, *scene, *design, "--interval", "1e-4")
+        comments = dict(re.findall(r"^# (\S+) = (\S+)$", done.stdout, re.MULTILINE))
+        rows = Trace.table(done.stdout)
+        rows["y3"][rows["t"] < float(comments["lift-off-time"])] = 0
+        heights = {body: rows[column].min() + 1.1 for body, column in self.BODIES.items()}
+        below = re.findall(r"(the [a-z' ]+) reaches (\S+) m below the ground", line)
+        self.assertEqual([body for body, _ in below], [body for body, height in heights.items() if height < -1e-6])
+        for body, depth in below:
+            self.assertAlmostEqual(float(depth) / -heights[body], 1, delta=0.05)
+        for column, words in (("tension", "push with"), ("hanger_tension", "under a compression of")):
+            least = rows[column].min()
+            found = re.search(rf"{words} (\S+) N", line)
+            self.assertEqual(found is not None, least < 0)
+            if found:
+                self.assertAlmostEqual(float(found.group(1)) / -least, 1, delta=0.01)
+        # A trace says the same, and where and when it is worst.
+        problems = line[line.index("the arm's tip reaches"):]
+        self.assertIn(f"warning: the design cannot be built: {problems}\n", done.stderr)
+        self.assertAlmostEqual(float(comments["ground-clearance"]), min(heights.values()), places=6)
+        self.assertEqual(comments["ground-clearance-of"], "tip")
+        for column, key in (("yt", "ground-clearance"), ("tension", "least-sling-tension"),
+                            ("hanger_tension", "least-hanger-tension")):
+            self.assertAlmostEqual(float(comments[key + "-time"]), rows["t"][rows[column].argmin()], delta=1.01e-4)
+
+    def test_the_best_design_of_a_lattice_is_described_as_by_its_trace(self):
+        for arguments in ((), ("--solver.check", "no"), ("--solver.release", "crossing")):
+            with self.subTest(arguments=arguments):
+                warnings, design = self.swept(*arguments)
+                self.assertTrue(warnings[0].startswith("warning: the optimum cannot be built: the arm's tip"))
+                self.assertEqual(sum("slack" in line for line in warnings), 1)
+                self.assert_described(warnings[0], design, *arguments)
+
+    def test_a_refined_optimum_is_described_instead_of_that_of_the_lattice(self):
+        options = ("--solver.release", "crossing", "--lattice.r1", "0.3:0.9:0.1")
+        _, lattice = self.swept(*options)
+        warnings, design = self.swept(*options, "--optimum.refine", "yes")
+        self.assertNotEqual(design, lattice)
+        self.assert_described(warnings[0], design, "--solver.release", "crossing")
+
+    def test_a_machine_above_the_ground_and_under_tension_has_no_warning(self):
+        raised = ("--scene.fulcrum-height", "2.1", "--solver.release", "farthest")
+        warnings, design = self.swept(*raised, "--lattice.r1", "0.5", "--lattice.r3", "1.5")
+        self.assertEqual(warnings, [])
+        self.assertEqual(self.run_program("trace", self.job, *design, *raised).stderr, "")
+
+    def test_a_study_has_one_line_that_counts_its_scenes(self):
+        warnings, _ = self.swept("--scene.fulcrum-height", "1.1, 1.2, 2.1", "--lattice.r1", "0.5", "--lattice.r3",
+                                 "1.5", "--solver.release", "farthest")
+        [line] = [line for line in warnings if "built" in line]
+        self.assertRegex(line, "^warning: the optimum of 2 of 3 scenes cannot be built: below the ground in 2")
 
 
 class MeasuredError(CommandTest):
@@ -247,12 +336,39 @@ class BuiltMachines(CommandTest):
             self.assertIn(words, done.stdout)
             self.assertIn(words, info)
 
-    def test_a_lattice_without_slings_that_reach_the_trough_is_refused_but_a_design_is_traced(self):
-        scene = ("--scene.file", os.path.join(JOBS, "scenes", "laboratory.cfg"))
-        for given, missing in (((), "lattice.r3"), (("--lattice.r3", "0.87"), "lattice.r2")):
-            self.assert_refused(["sweep", self.job, *scene, *given],
-                                f"{missing}: must be given with scene.trough = yes")
-        self.run_program("trace", self.job, *scene, "--r1", "0.25", "--r2", "0.975", "--r3", "0.87")
+    def test_the_axes_that_a_trough_has_by_default_are_printed_and_continue_the_archive(self):
+        scene = ("--scene.file", os.path.join(JOBS, "scenes", "laboratory.cfg"), "--lattice.increment", "0.1")
+        summary = self.run_program("sweep", self.job, *scene, ranks=2).stdout
+        self.assertIn("\naxes      r3 = 0.3:1.8:0.1, r2 = 0.3:1.8:0.1 m (default with a trough)\n", summary)
+        with h5py.File(self.path("job.h5")) as file:
+            for axis in ("r3", "r2"):
+                np.testing.assert_array_equal(file[axis], np.arange(3, 19) / 10)
+        for given in ((), ("--lattice.r2", "0.3:1.8:0.1")):
+            again = self.run_program("sweep", self.job, *scene, *given)
+            self.assertIn("holds the complete archive of this job", again.stderr)
+        self.assertNotIn("axes ", self.run_program("sweep", self.job, *COARSE, "--overwrite").stdout)
+
+    def test_the_optimum_is_sought_among_the_axes_that_a_trough_has_by_default(self):
+        found = self.run_program("optimum", self.job, "--scene.file", os.path.join(JOBS, "scenes", "laboratory.cfg"),
+                                 "--lattice.r1", "0.25", "--lattice.increment", "0.1", "--json", ranks=2).stdout
+        _, r3, r2 = json.loads(found)["bounds"]
+        self.assertEqual((r3, r2), ([0.3, 1.8], [0.3, 1.8]))
+
+    def test_the_best_machine_for_the_backyard_is_within_its_limits(self):
+        done = self.run_program("sweep", os.path.join(JOBS, "backyard.cfg"), ranks=2)
+        best = re.search(r"\noptimum   range (.+) m at r1 = (.+), r2 = (.+), r3 = (.+) m, ", done.stdout)
+        value, r1, r2, r3 = map(float, best.groups())
+        self.assertGreater(value, 65)
+        refined = re.search(r"\nrefined   range (.+) m at ", done.stdout)
+        self.assertGreater(float(refined[1]), value)
+        with h5py.File(self.path("backyard.h5")) as file:
+            axes = (("r1", r1), ("r3", r3), ("r2", r2))
+            cell = tuple(np.flatnonzero(np.isclose(file[axis], x))[0] for axis, x in axes)
+            at = {name: data[cell] for name, data in file.items() if data.ndim == 3}
+        self.assertAlmostEqual(at["range"], value, places=6)
+        for name in ("ground_clearance", "least_sling_tension", "least_hanger_tension"):
+            self.assertGreaterEqual(at[name], 0, name)
+        self.assertTrue(at["peak_axle_load"] <= 5000 and at["peak_beam_stress"] <= 2e7, at)
 
     def test_fields_of_what_the_scene_lacks_are_refused(self):
         for field, key in (("lift-off-time", "scene.trough"), ("peak-hanger-tension", "scene.counterweight-hanger")):
@@ -315,13 +431,114 @@ class Scale(CommandTest):
                     self.assertLess(limit, 60)
 
 
-class Output(CommandTest):
-    def test_a_summary_that_cannot_be_written_is_an_error(self):
-        with open("/dev/full", "w", encoding="utf-8") as full:
-            done = subprocess.run([PROGRAM, "sweep", self.job, *COARSE], cwd=self.directory, stdout=full,
-                                  stderr=subprocess.PIPE, text=True, timeout=120, check=False)
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("cannot write to stdout", done.stderr)
+class Streams(CommandTest):
+    """Results and exit codes do not depend on whether messages can be read, but on whether results can."""
+
+    BROKEN = {"closed": "2>&-", "full": "2>/dev/full", "without a reader": "2> >(exec true)"}
+    DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
+
+    def test_no_exit_code_depends_on_stderr(self):
+        # Each of them prints messages. The progress bar does so while the archive is open.
+        coarse = (self.job, "--lattice.increment", "0.05", "--progress", "bar")
+        commands = {
+            ("sweep", *coarse, "--time-limit", "1e-6"): 75,
+            ("sweep", *coarse): 0,
+            ("sweep", *coarse, "--output.file", "again.h5", "--lattice.r1", "0.6"): 0,
+            ("sweep", "missing.cfg"): 2,
+            ("info", "job.h5", "--verify", "--progress", "bar"): 0,
+            ("info", "missing.h5"): 2,
+            ("trace", self.job, *self.DESIGN, "--solver.max-time", "0.3"): 0,
+            ("optimum", self.job, "--progress", "bar"): 0,
+            ("optimum", self.job, "--optimum.subject-to", "speed >= 1e6"): 1,
+            ("assess", self.job, *Assess.SMALL, "--output.file", "assess.h5"): 0,
+        }
+        for name, redirection in self.BROKEN.items():
+            self.setUp()
+            for command, code in commands.items():
+                with self.subTest(stderr=name, command=command):
+                    self.redirected(redirection, PROGRAM, *command, code=code)
+            self.run_program("info", "job.h5", "--verify")
+
+    def test_ranks_without_stderr_write_an_intact_archive(self):
+        for code, options in ((75, ["--time-limit", "1e-6"]), (0, [])):
+            self.run_command(*mpirun(2), "bash", "-c", 'exec "$@" 0<&- 2>&-', "bash", PROGRAM, "sweep", self.job,
+                             *COARSE, *options, code=code)
+        self.run_program("info", "job.h5", "--verify")
+
+    def test_stdout_that_cannot_be_written_is_an_error_of_every_command(self):
+        self.run_program("sweep", self.job, *COARSE)
+        for redirection, reason in ((">/dev/full", "No space left on device"), (">&-", "Bad file descriptor")):
+            for command in (["--help"], ["sweep", "--help"], ["info", "job.h5"], ["trace", self.job, *self.DESIGN],
+                            ["optimum", self.job, "--progress", "none"],
+                            ["sweep", self.job, *COARSE, "--output.file", "other.h5", "--overwrite"]):
+                with self.subTest(redirection=redirection, command=command):
+                    done = self.redirected(redirection, PROGRAM, *command, code=1)
+                    self.assertIn(f"trebsweep: cannot write to stdout: {reason}\n", done.stderr)
+
+    def test_a_reader_that_leaves_ends_a_trace_silently(self):
+        done = self.redirected("> >(exec true)", PROGRAM, "trace", self.job, *self.DESIGN, "--interval", "1e-5",
+                               code=-signal.SIGPIPE)
+        self.assertEqual(done.stderr, "")
+
+
+class Stdin(CommandTest):
+    """A job called - is read from stdin."""
+
+    def test_a_sweep_of_stdin_is_that_of_the_file(self):
+        self.run_program("sweep", self.job, *COARSE, "--output.file", "file.h5")
+        expected = self.read("file.h5")
+        for ranks in (None, 2):
+            with self.subTest(ranks=ranks):
+                done = self.run_command("bash", "-c", 'cat job.cfg | "$@"', "bash", *mpirun(ranks), PROGRAM, "sweep",
+                                        "-", *COARSE, "--overwrite")
+                self.assertIn("archive   job.h5\n", done.stdout)
+                with h5py.File(self.path("job.h5")) as piped, h5py.File(self.path("file.h5")) as file:
+                    np.testing.assert_array_equal(piped["speed"], file["speed"])
+                    self.assertEqual(piped.attrs["job"], file.attrs["job"].replace("file.h5", "job.h5"))
+        self.assertEqual(self.read("file.h5"), expected)
+
+    def test_every_command_with_a_job_reads_stdin(self):
+        for command, *options in (["trace", *Trace.DESIGN], ["optimum", "--json"]):
+            with self.subTest(command=command):
+                alone, piped = (self.redirected("<job.cfg", PROGRAM, command, job, *options).stdout
+                                for job in (self.job, "-"))
+                seconds = r'"seconds": [^,}]*'
+                self.assertEqual(re.sub(seconds, "", piped), re.sub(seconds, "", alone))
+        done = self.redirected("<job.cfg", PROGRAM, "assess", "-", *Assess.SMALL)
+        self.assertIn("scene job", done.stdout)
+        self.assertEqual(sorted(os.listdir(self.directory)), ["job-assess.h5", "job.cfg"])
+
+    def test_a_scene_file_is_relative_to_the_working_directory(self):
+        self.write("moon.cfg", "[scene]\ngravity = 1.62\n")
+        self.write("job.cfg", "[scene]\nfile = moon.cfg\n")
+        done = self.redirected("<job.cfg", PROGRAM, "sweep", "-", *COARSE)
+        self.assertIn("scene     moon.cfg: gravity = 1.62\n", done.stdout)
+
+    def test_stdin_that_is_no_job_is_refused(self):
+        self.write("binary", bytes(range(256)))
+        self.write("long", "#" * (1 << 20) + "\n")
+        self.write("words", "This is no job.\n")
+        for redirection, words in (("<&-", " (stdin): Bad file descriptor"), ("</dev/null", " (stdin): is empty"),
+                                   ("<binary", " (stdin): is not a text file"), ("<.", " (stdin): Is a directory"),
+                                   ("<long", " (stdin): is longer than 1 MiB"),
+                                   ("<words", ": line 1, 'This is no job.'")):
+            for ranks in (None, 2):
+                with self.subTest(redirection=redirection, ranks=ranks):
+                    if ranks and redirection in ("<&-", "<."):
+                        continue  # mpirun does not pass these on
+                    done = self.redirected(redirection, *mpirun(ranks), PROGRAM, "sweep", "-", code=2)
+                    self.assertEqual(done.stderr.count(f"trebsweep: job file -{words}"), 1, done.stderr)
+
+    def test_a_signal_ends_a_sweep_that_waits_for_stdin(self):
+        with subprocess.Popen([PROGRAM, "sweep", "-"], cwd=self.directory, stdin=subprocess.PIPE, text=True,
+                              stderr=subprocess.PIPE) as sweep:
+            time.sleep(0.5)
+            for _ in range(50):  # one that arrives while MPI starts does not interrupt the wait
+                if sweep.poll() is None:
+                    sweep.send_signal(signal.SIGINT)
+                    time.sleep(0.2)
+            self.assertEqual(sweep.poll(), 2)
+            self.assertIn("(stdin): Interrupted", sweep.stderr.read())
 
 
 class BadInput(CommandTest):
@@ -343,9 +560,9 @@ class BadInput(CommandTest):
                             "lattice.increment = 1e-08", "would make a lattice of", "1e+12")
 
     def test_malformed_axes_are_refused(self):
-        for value in ("1:0.5:0.1", "a:b:c", "0.5:1:0", "0.5:1", "nan"):
+        for value in ("1:0.5:0.1", "a:b:c", "0.5:1:0", "0.5:1:-0.1", "0.5:1", "nan"):
             self.assert_refused(["sweep", self.job, f"--lattice.r1={value}"],
-                                "lattice.r1", "first:last:step")
+                                f"lattice.r1 = {value}: must be first:last:step with a step above 0 and first <= last")
 
     def test_errors_list_the_choices(self):
         self.assert_refused(["sweep", self.job, "--solver.stepper", "leapfrog"],
@@ -578,8 +795,9 @@ class Sweep(CommandTest):
 
 class Optimum(CommandTest):
     KEYS = {"objective", "value", "error", "r1", "r3", "r2", "release_time", "active", "gradient", "hessian",
-            "one_percent_loss", "sensitivity", "sensitivity_of_optimum", "worst", "expected", "maxima", "starts",
-            "starts_at_best", "coarse_increment", "designs", "seconds", "converged", "bounds", "job"}
+            "one_percent_loss", "one_percent_limit", "sensitivity", "sensitivity_of_optimum", "worst", "expected",
+            "maxima", "starts", "starts_at_best", "coarse_increment", "designs", "seconds", "converged", "bounds", "job",
+            "unsafe", "values"}
 
     def optimum(self, *options, job=None, ranks=None):
         """The JSON object that the command prints, without the run time."""
@@ -595,6 +813,21 @@ class Optimum(CommandTest):
         messages = [line for line in done.stderr.splitlines() if line.startswith("trebsweep: ")]
         self.assertEqual(len(messages), 1, done.stderr)
         self.assertIn(words, messages[0])
+
+    def test_tolerances_end_at_bounds_and_constraints_and_say_which(self):
+        weak = ("--optimum.subject-to", "peak-beam-stress <= 6e7", "--lattice.r1", "0.52:1:0.01")
+        found = self.optimum(*weak)
+        (r1_shorter, r1_longer), (r3_shorter, r3_longer), (r2_shorter, r2_longer) = found["one_percent_loss"]
+        for forbidden in (r1_shorter, r1_longer, r3_longer, r2_longer):
+            self.assertLess(forbidden, 1e-6)
+        for allowed in (r3_shorter, r2_shorter):
+            self.assertGreater(allowed, 0.009)
+        stress = "peak-beam-stress <= 60000000"
+        self.assertEqual(found["one_percent_limit"], [["r1 >= 0.52", stress], [None, stress], [None, stress]])
+        text = self.run_program("optimum", self.job, *weak).stdout
+        self.assertIn(f"r1: 0.0000 m shorter (r1 >= 0.52) or 0.0000 m longer ({stress}); gradient", text)
+        text = self.run_program("optimum", self.job).stdout
+        self.assertIn(" m shorter or 0.0000 m longer (r2 + r3 <= 1.5); gradient", text)
 
     def test_json_has_the_documented_keys_and_the_papers_optimum(self):
         found = self.optimum("--optimum.deviation", "0.005")
@@ -899,14 +1132,14 @@ class Assess(CommandTest):
             self.assertIn(title, done.stdout)
         self.assertIn("not_released", done.stdout)
         for engine in ("netcdf4", "h5netcdf"):
-            with xr.open_dataset(self.path("job.h5"), group="accuracy", engine=engine) as data:
+            with xr.open_dataset(self.path("job-assess.h5"), group="accuracy", engine=engine) as data:
                 frame = data.to_dataframe()
         self.assertEqual(list(frame.scene.unique()), ["long_steps"])
         dopri5 = frame[frame.stepper == "dopri5"]
         self.assertLess(dopri5.error_largest.iloc[1], 1e-2 * dopri5.error_largest.iloc[0])
         self.assertTrue((frame.seconds > 0).all())
         self.assertEqual(data.error_median.attrs["units"], "m s-1")
-        with h5py.File(self.path("job.h5")) as file:
+        with h5py.File(self.path("job-assess.h5")) as file:
             self.assertIn("time-steps = 0.01, 0.005", file.attrs["job"])
         self.assert_refused(["assess", job, *self.SMALL], "output.file", "already exists")
         self.run_program("assess", job, *self.SMALL, "--overwrite", "--progress", "none")
@@ -922,25 +1155,31 @@ class Assess(CommandTest):
         done = self.run_program("assess", self.job, *self.SMALL, ranks=2)
         self.assertIn("scene job", done.stdout)
 
+    def test_a_sweep_and_an_assessment_of_a_job_have_archives_of_their_own(self):
+        done = self.run_program("assess", self.job, *self.SMALL)
+        self.assertIn("archive   job-assess.h5", done.stdout)
+        self.run_program("sweep", self.job, *self.SMALL[-2:])
+        self.assertEqual(sorted(os.listdir(self.directory)), ["job-assess.h5", "job.cfg", "job.h5"])
+
     def test_sweeps_and_assessments_do_not_replace_each_other(self):
-        self.run_program("assess", self.job, *self.SMALL)
-        lattice = self.SMALL[-2:]
+        file, lattice = ("--output.file", "job.h5"), self.SMALL[-2:]
+        self.run_program("assess", self.job, *self.SMALL, *file)
         self.assert_refused(["sweep", self.job, *lattice], "job.h5", "holds an assessment")
         self.run_program("sweep", self.job, *lattice, "--overwrite")
         done = self.run_program("sweep", self.job, *lattice, ranks=2)
         self.assertIn("complete archive of this job", done.stderr)
-        self.assert_refused(["assess", self.job, *self.SMALL], "job.h5", "already exists")
+        self.assert_refused(["assess", self.job, *self.SMALL, *file], "job.h5", "already exists")
 
     def test_an_assessment_does_not_replace_an_unfinished_sweep(self):
-        self.write("job.h5.partial", "")
+        self.write("job-assess.h5.partial", "")
         self.assert_refused(["assess", self.job, *self.SMALL, "--overwrite"], "unfinished sweep")
 
     def test_info_describes_an_assessment(self):
-        os.symlink("far.h5", self.path("job.h5"))
+        os.symlink("far.h5", self.path("job-assess.h5"))
         self.run_program("assess", self.job, *self.SMALL)
-        self.assertEqual(os.readlink(self.path("job.h5")), "far.h5")
-        text = self.run_program("info", "job.h5").stdout
-        for words in ("job.h5, an assessment", "accuracy", "reference", "source    trebsweep", "[assess]", "assess "):
+        self.assertEqual(os.readlink(self.path("job-assess.h5")), "far.h5")
+        text = self.run_program("info", "job-assess.h5").stdout
+        for words in ("job-assess.h5, an assessment", "accuracy", "reference", "source    trebsweep", "[assess]", "assess "):
             self.assertIn(words, text)
 
     def test_missing_scene_files_are_refused(self):

@@ -11,7 +11,7 @@ MISTAKES = [
     {"lattice.r1": "1:2"}, {"lattice.r3": "0.3:0.95:0.1"}, {"lattice.r2": "2:1:0.1"},
     {"solver.release": "pin", "solver.pin-angle": ""}, {"solver.release": "window"}, {"scene.beam-mass": "500"},
     {"scene.sling-damping": "5"},
-    {"scene.counterweight-hanger": "0.2", "scene.sling-stiffness": "1e5"},
+    {"scene.counterweight-hanger": "0.2", "scene.sling-stiffness": "1e5"}, {"scene.sling-stiffness": "60"},
 ]
 
 # Job files with a mistake each.
@@ -26,12 +26,13 @@ WRONG_FILES = [
     # Values.
     "[scene]\ngravity =", "[scene]\ngravity = 0x10", "[scene]\ngravity = 1e400", "[scene]\nbeam-side = 1e-400",
     "[scene]\ntrough =", "[scene]\nbeam-inertia = Prism", "[lattice]\nr1 =", "[lattice]\nr1 = 1:2",
-    "[lattice]\nr1 = 1:2:3", "[solver]\nstepper = rk5", "[solver]\ntolerance = 1", "[solver]\ntime-step = -1",
+    "[lattice]\nr1 = 1:2:3", "[lattice]\nr1 = 1:2:-1", "[scene]\nsling-stiffness = 1e-12", "[solver]\nstepper = rk5", "[solver]\ntolerance = 1", "[solver]\ntime-step = -1",
     "[solver]\nmax-steps = 1e3", "[solver]\ncheck = maybe",
     "[solver]\nstepper = rk4\nrelease = window\nrelease-window = 2", "[output]\nfile =", '[output]\nfile = "a"',
     "[output]\nfields = speed, height", "[output]\nfields = , speed", "[output]\nfields = speed speed",
     "[output]\nmaps = some", "[output]\nstorage = float16", "[output]\ncompression = 10",
-    "[output]\noptimum = best", "[optimum]\nobjective = status", "[optimum]\nsubject-to = range > 5",
+    "[output]\noptimum = best", "[optimum]\nobjective = status", "[optimum]\nsubject-to = range > 5", "[optimum]\nsubject-to = mass >= 5",
+    "[optimum]\nsubject-to = range >= 5 m",
     "[optimum]\nsubject-to = range >= 5,", "[optimum]\ndeviation = -1", "[optimum]\nrobust = maybe",
     '[assess]\nscenes = "a"', "[assess]\nsteppers = rk5", "[assess]\ntolerances =", "[assess]\ntime-steps = 0.1, 0",
     "[assess]\ndesigns = 0", "[assess]\nlattice-seconds = -1",
@@ -141,6 +142,7 @@ def random_lattices(count):
             job["scene.counterweight-hanger"] = number(0.1, 1.2)
         if n % 5 == 0:
             job.update({"scene.trough": "yes", "lattice.r3": axis(), "lattice.r2": axis()})
+            del job["lattice.r2" if n % 2 else "lattice.r3"]  # has a default axis
         elif n % 5 == 1:
             job[f"lattice.{pick.choice(['r1', 'r3', 'r2'])}"] = axis()
         elif n % 5 == 2:

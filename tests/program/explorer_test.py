@@ -177,7 +177,7 @@ class Numbers(PageTest):
         self.assertTrue(self.text("stored.title").startswith("Stored in range: range, planes through r1 = "))
         self.assertEqual(self.find("field").get_property("value"), "range")
         self.run_program(*sweep, "--output.fields", "status, steps")
-        done = self.run_command(BUILD, "-o", page, "--archive", archive, code=1)
+        done = self.run_command(BUILD, "-o", page, "--overwrite", "--archive", archive, code=1)
         self.assertIn("range.h5: has no map that the explorer shows", done.stderr)
 
     def check_stored(self, name, scene, mass, *options):
@@ -185,7 +185,7 @@ class Numbers(PageTest):
         archive, page = self.path(name), self.path("stored.html")
         self.run_program("sweep", f"{JOBS}/accurate.cfg", "--lattice.increment", "0.02", *options,
                          "--output.file", archive)
-        self.run_command(BUILD, "-o", page, "--archive", archive, *scene, timeout=500)
+        self.run_command(BUILD, "-o", page, "--overwrite", "--archive", archive, *scene, timeout=500)
         self.open(page=page)
         self.assertEqual(self.find("scene.projectile-mass").get_property("value"), mass)
         self.type("design.r2", "0.7")

@@ -223,6 +223,13 @@ class Run(DirectoryTest):
             self.assertIn(f"results/{picture}\n", done.stdout)
         self.assertTrue(done.stdout.endswith("analysis/explorer/build.sh --archive results/paper.h5\n"))
 
+    def test_a_second_run_replaces_the_results(self):
+        _, first = self.run_script()
+        self.write("results/paper-optimum.cfg", "old")
+        _, second = self.run_script()
+        self.assertEqual(first, second)
+        self.assertIn(b"[lattice]", self.read("results/paper-optimum.cfg"))
+
     def test_of_a_study_the_optima_of_the_scenes_are_drawn(self):
         done, results = self.run_script("--scene.projectile-mass", "50, 100")
         self.assertEqual(results, {"paper.h5", "paper.png", "paper.txt"})

@@ -200,11 +200,11 @@ def optima():
     for code, *options in [(2, "--optimum.objective=status"), (2, "--optimum.subject-to=speed < 3"),
                            (2, "--optimum.deviation=-1"), (2, "--optimum.robust=worst"), (2, "--json=yes"),
                            (2, "--lattice.increment=1e-4"), (2, "--lattice.r1=0.1:0.2"), (2, "--r1=0.6"),
-                           (2, "--scene.trough=yes"), (2, "--overwrite"), (2, "--time-limit=1"),
+                           (0, "--scene.trough=yes"), (2, "--overwrite"), (2, "--time-limit=1"),
                            (1, "--lattice.shortest-sling=2"), (1, "--scene.release-height=1e3"),
                            (1, "--optimum.subject-to=speed >= 1e6"), (1, "--scene.projectile-mass=1e9", "--lattice.increment=0.1"),
                            (1, "--optimum.deviation=1e9", "--optimum.robust=worst"), (0, *fixed),
-                           (0, "--optimum.deviation=1e9"), (0, "--optimum.subject-to", ""),
+                           (1, "--optimum.deviation=1e9"), (0, "--optimum.subject-to", ""),
                            (0, "--lattice.increment=0.3"), (0, "--optimum.refine=yes")]:
         yield ["optimum", "job.cfg", *options], code
     yield ["sweep", "job.cfg", *TINY, "--json"], 2

@@ -4,6 +4,7 @@ Needs TREBSWEEP (the program) in the environment.
 """
 
 import contextlib
+import copy
 import io
 import itertools
 import os
@@ -15,10 +16,12 @@ import unittest
 import unittest.mock
 
 import h5py
+import numpy as np
 
 import analysis_test  # first: it makes the scripts importable
 import rules
 from archive import Archive
+from picture import plt
 from support import PROGRAM, REPOSITORY
 
 PAGE = os.path.join(REPOSITORY, "tests", "rules", "README.md")
@@ -99,6 +102,21 @@ class Rules(analysis_test.ScriptTest):
             self.run_script("rules.py", "rules.h5", "--rule", "r1 < r2", "--rule", "r1 > 9", *options, "-o", "costs.png")
             self.assert_picture("costs.png")
             self.assert_nothing_is_cut("costs.png")
+
+    def test_the_colour_bar_says_where_costs_are_beyond_its_scale(self):
+        archive = Archive(self.path("rules.h5")).select(())
+        findings = self.findings()
+        for factor, beyond in ((0.4 / np.nanmax(findings.costs), False), (1.02 / np.nanmax(findings.costs), True)):
+            scaled = copy.copy(findings)
+            scaled.costs = factor * findings.costs
+            figure = rules.draw(archive, scaled, [rules.Expression("rule", text) for text in RULES])
+            self.addCleanup(plt.close, figure)
+            panels, bar = figure.axes[:len(RULES)], figure.axes[-1]
+            for axes, cost in zip(panels, scaled.costs):
+                np.testing.assert_allclose(axes.images[0].get_array(), 100 * cost.T)
+                self.assertEqual(axes.images[0].get_clim(), (0, 40))
+            self.assertEqual(axes.images[0].colorbar.extend, "max" if beyond else "neither")
+            self.assertEqual(bar.get_ylabel(), "cost (%); arrow: more than 40 %" if beyond else "cost (%)")
 
     def test_bad_options_are_refused(self):
         for options, says in (

@@ -13,21 +13,33 @@ using namespace trebsweep;
 namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+constexpr BuildValues sound{1, 1, 1, 1, 1};
 
 /// Integrates a job's whole lattice and returns its warnings.
 std::vector<std::string> warnings_of(const Job& job) {
-  const Lattice lattice(job.scene, job.lattice);
+  const Study study(job);
   Summary summary;
-  for (const auto& design : all_designs(lattice)) {
+  for (const auto& design : all_designs(study.lattice(0))) {
     SwingResult result;
     integrate(job.scene, job.solver, {{&design, 1}, {&result, 1}});
     if (has_speed(result.status) && (!summary.optimum || result.speed > summary.optimum->speed))
       summary.optimum = {design, result.speed, result.speed, result.release_time, 0};
   }
   const auto never = [] { return false; };
-  const auto sample =
-      check_scene(Study(job), 0, summary.optimum, summary, 60, never, MPI_COMM_WORLD);
-  return warnings(job, lattice, summary.optimum, measured_error({&*sample, 1}, 0), sample->checks);
+  const auto sample = check_scene(study, 0, summary.optimum, summary, 60, never, MPI_COMM_WORLD);
+  const auto best = best_designs(study, summary, never, MPI_COMM_WORLD);
+  summary.error = measured_error({&*sample, 1}, 0);
+  return warnings(study, summary, *best, {&*sample, 1});
+}
+
+/// The warnings of a job with one scene, whose best design is the optimum.
+std::vector<std::string> warnings_of(const Job& job, const Summary& summary,
+                                     const std::vector<Check>& checks = {},
+                                     const BuildValues& build = sound) {
+  BestDesign best{};
+  if (summary.optimum) best = {summary.optimum->design, build};
+  const ErrorSample sample{0, checks, 0, 0};
+  return warnings(Study(job), summary, {&best, 1}, {&sample, 1});
 }
 
 /// The number of lines that contain the words.
@@ -58,14 +70,16 @@ TEST_CASE("An axis with a single value has no edge to warn of") {
   job.lattice.r1 = AxisRange{0.51, 0.51, 1};
   job.lattice.r3 = AxisRange{0.58, 0.58, 1};
   job.lattice.r2 = AxisRange{0.8, 1.1, 0.1};
-  CHECK(warnings_of(job).empty());
+  CHECK(count(warnings_of(job), "edge") == 0);
 }
 
-TEST_CASE("A slack sling at the optimum is reported also where the error is measured everywhere") {
+TEST_CASE("A slack sling at the optimum is reported once, and not again of its neighbours") {
   Job job = coarse_job();
   job.scene.sling_angle = 1.5;
   job.lattice.r1 = AxisRange{0.6, 0.6, 1};
-  CHECK(count(warnings_of(job), "a sling that would go slack") == 1);
+  const auto lines = warnings_of(job);
+  CHECK(count(lines, "slack") == 1);
+  CHECK(count(lines, "the optimum cannot be built: the sling goes slack") == 1);
 }
 
 TEST_CASE("A lattice without a release has no warnings") {
@@ -108,7 +122,7 @@ TEST_CASE("The warning about an edge gives the bound of r1 with a hanger or a st
     const Lattice lattice(job.scene, job.lattice);
     Summary summary;
     summary.optimum = {lattice.design({i1, 5, 1}), 1, 1, 1};
-    const auto lines = warnings(job, lattice, summary.optimum, summary.error, {});
+    const auto lines = warnings_of(job, summary);
     return lines.empty() ? "" : lines[0];
   };
   Job job = coarse_job();
@@ -126,9 +140,9 @@ TEST_CASE("Without checks only the edges of the lattice are reported") {
   job.solver.time_step = 0.2;
   const Lattice lattice(job.scene, job.lattice);
   Summary summary;
-  CHECK(warnings(job, lattice, summary.optimum, summary.error, {}).empty());
+  CHECK(warnings_of(job, summary).empty());
   summary.optimum = {lattice.design({0, 0, 0}), 1, 1, 1};
-  CHECK(warnings(job, lattice, summary.optimum, summary.error, {}).size() == 1);
+  CHECK(warnings_of(job, summary).size() == 1);
 }
 
 TEST_CASE("Errors and efficiencies are judged by the largest speed, not that of the optimum") {
@@ -140,15 +154,13 @@ TEST_CASE("Errors and efficiencies are judged by the largest speed, not that of 
   Summary summary;
   summary.optimum = {design, 5, 1e-3, 1};  // of an objective that is best in a slow design
   summary.error = MeasuredError{0, 0.1, 0, 2};
-  CHECK(warnings(job, lattice, summary.optimum, summary.error, std::array{fast, slow}).empty());
+  CHECK(warnings_of(job, summary, {fast, slow}).empty());
   summary.error->largest = 0.2;
   for (const auto& optimum : {summary.optimum, std::optional<Optimum>{}}) {
     summary.optimum = optimum;
-    CHECK(count(warnings(job, lattice, summary.optimum, summary.error, std::array{fast}),
-                "the tolerance is loose") == 1);
+    CHECK(count(warnings_of(job, summary, {fast}), "the tolerance is loose") == 1);
   }
-  CHECK(count(warnings(job, lattice, summary.optimum, summary.error, std::array{slow}),
-              "efficiency above 1") == 1);
+  CHECK(count(warnings_of(job, summary, {slow}), "efficiency above 1") == 1);
 }
 
 TEST_CASE("Slack slings are reported of designs close to the optimum in its objective") {
@@ -160,7 +172,7 @@ TEST_CASE("Slack slings are reported of designs close to the optimum in its obje
   summary.optimum = {design, -2, 10, 1};
   const auto report = [&](double objective) {
     const Check slack{design, 10, 0.5, 10, 2, objective, Status::released, Status::released};
-    return warnings(job, lattice, summary.optimum, summary.error, std::array{slack});
+    return warnings_of(job, summary, {slack});
   };
   REQUIRE(report(-2.09).size() == 1);
   CHECK_THAT(report(-2.09)[0], contains("in 1 of 1 designs checked within 5 % of the optimum's "
@@ -169,24 +181,71 @@ TEST_CASE("Slack slings are reported of designs close to the optimum in its obje
   CHECK(report(no_value).empty());  // it violates a constraint
 }
 
-TEST_CASE("The warnings of a study name the scene, and count those on the edge of the lattice") {
+TEST_CASE("An optimum that cannot be built is reported first, with each body and amount") {
+  Job job = coarse_job();
+  job.lattice.r1 = AxisRange{0.6, 1, 0.1};
+  Summary summary;
+  summary.optimum = {Study(job).lattice(0).design({0, 5, 1}), 5, 5, 1};
+  const auto lines = warnings_of(job, summary, {}, {-30, -200, -0.152, 0.1, -2e-6});
+  REQUIRE(lines.size() == 2);
+  CHECK(lines[0] ==
+        "the optimum cannot be built: the arm's tip reaches 0.15 m below the ground; the "
+        "projectile reaches 2e-06 m below the ground; the sling goes slack: to stay straight, it "
+        "would have to push with 30 N; the counterweight's hanger is under a compression of 200 N");
+  CHECK_THAT(lines[1], contains("the smallest allowed by lattice.r1"));
+  CHECK(warnings_of(job, summary, {}, {0, 0, -1e-7, 0, 0}).size() == 1);
+  CHECK(warnings_of(job, summary, {}, {no_value, no_value, no_value, no_value, no_value}).size() ==
+        1);
+}
+
+TEST_CASE("A refined optimum lies on the edge only where it reaches what the job sets") {
+  Job job = coarse_job();
+  job.optimum.refine = true;
+  job.lattice.r1 = AxisRange{0.55, 0.85, 0.1};
+  Summary summary;
+  const auto lines_at = [&](const Design<double>& design) {
+    summary.optimum = {design, 5, 5, 1};
+    return warnings_of(job, summary);
+  };
+  CHECK(lines_at({0.6, 0.5, 1}).empty());  // on the bound r2 + r3 = h0 (49)
+  CHECK(lines_at({0.8499, 0.5, 1}).empty());
+  REQUIRE(lines_at({0.85 - 1e-12, 0.5, 1}).size() == 1);
+  CHECK(lines_at({0.85 - 1e-12, 0.5, 1})[0] ==
+        "the optimum lies on the edge of the lattice: r1 = 0.85 m, the largest allowed by "
+        "lattice.r1");
+  REQUIRE(lines_at({0.55, 0.3, 1}).size() == 1);
+  CHECK_THAT(lines_at({0.55, 0.3, 1})[0],
+             contains("r1 = 0.55 m, the smallest allowed by lattice.r1; r3 = 0.3 m, the smallest "
+                      "allowed by lattice.shortest-sling"));
+  job.lattice.r1 = AxisRange{0.55, 0.55, 1};
+  job.lattice.r3 = AxisRange{0.5, 0.5, 1};
+  CHECK(lines_at({0.55, 0.5, 1}).empty());
+}
+
+namespace {
+
+/// A coarse job with projectiles of 50, 100 and 150 kg.
+Job three_projectiles() {
   Job job = coarse_job();
   job.outer_axes = {{"scene.projectile-mass", {50, 100, 150}, "50, 100, 150"}};
+  return job;
+}
+
+}  // namespace
+
+TEST_CASE("The warnings of a study name the scene, and count those on the edge of the lattice") {
+  const Job job = three_projectiles();
   const Study study(job);
-  const auto tally_at = [&](std::uint64_t scene, const Index3& index, double value) {
-    Tally tally;
-    tally.best_cell = study.cell(scene, index);
-    tally.best_value = tally.best_speed = value;
-    return tally;
+  const auto best_at = [&](const Index3& index) {
+    return BestDesign{study.lattice(0).design(index), sound};
   };
-  const std::array tallies{tally_at(0, {0, 5, 1}, 3), tally_at(1, {4, 5, 1}, 2),
-                           tally_at(2, {4, 0, 1}, 1)};
+  const std::array best{best_at({0, 5, 1}), best_at({4, 5, 1}), best_at({4, 0, 1})};
   Summary summary;
-  summary.optimum = Optimum{study.design(tallies[0].best_cell).second, 3, 3, 1, 0};
+  summary.optimum = Optimum{best[0].design, 3, 3, 1, 0};
   Check impossible{summary.optimum->design, 3, 1.5, 3, 1, no_value, Status::released,
                    Status::released};
-  const ErrorSample best{0, {}, 0, 0}, other{2, {impossible}, 1, 0};
-  const auto lines = warnings(study, summary, tallies, std::array{best, other});
+  const ErrorSample first{0, {}, 0, 0}, other{2, {impossible}, 1, 0};
+  const auto lines = warnings(study, summary, best, std::array{first, other});
   REQUIRE(lines.size() == 3);
   CHECK_THAT(lines[0], contains("the best scene, projectile-mass = 50 kg: the optimum lies on the "
                                 "edge of the lattice: r1 = 0.6 m"));
@@ -195,4 +254,45 @@ TEST_CASE("The warnings of a study name the scene, and count those on the edge o
   CHECK(lines[2] ==
         "the optimum of 2 of 3 scenes lies on the edge of the lattice: the smallest r1 in 1, the "
         "smallest r3 in 1");
+}
+
+TEST_CASE("A study counts the scenes whose optimum cannot be built, in one line with an example") {
+  const Job job = three_projectiles();
+  const Study study(job);
+  const Design<double> design = study.lattice(0).design({4, 5, 1});
+  std::array best{BestDesign{design, sound}, BestDesign{design, {1, -5, -0.3, -0.2, 0}},
+                  BestDesign{design, {-50, 0, 0, -0.1, 0}}};
+  Summary summary;
+  summary.optimum = Optimum{design, 3, 3, 1, 0};
+  auto lines = warnings(study, summary, best, {});
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0] ==
+        "the optimum of 2 of 3 scenes cannot be built: below the ground in 2, a slack sling in 1, "
+        "a compressed hanger in 1, such as that with projectile-mass = 100 kg: the arm's tip "
+        "reaches 0.3 m below the ground; the counterweight reaches 0.2 m below the ground; the "
+        "counterweight's hanger is under a compression of 5 N");
+  summary.optimum->scene = 2;
+  lines = warnings(study, summary, best, {});
+  REQUIRE(lines.size() == 1);
+  CHECK_THAT(lines[0], contains("such as the best one, with projectile-mass = 150 kg: the "
+                                "counterweight reaches 0.1 m below the ground; the sling goes "
+                                "slack: to stay straight, it would have to push with 50 N"));
+  best[1].design = best[2].design = {};  // scenes without a best design
+  CHECK(warnings(study, summary, best, {}).empty());
+}
+
+TEST_CASE("A study counts the scenes whose refined optimum reaches the range that the job gives") {
+  Job job = three_projectiles();
+  job.optimum.refine = true;
+  job.lattice.r1 = AxisRange{0.6, 0.8, 0.1};
+  const Study study(job);
+  const std::array best{BestDesign{{0.8, 0.5, 1}, sound}, BestDesign{{0.7999, 0.5, 1}, sound},
+                        BestDesign{{0.6, 0.5, 1}, sound}};
+  Summary summary;
+  summary.optimum = Optimum{{0.8, 0.5, 0.9}, 3, 3, 1, 0};
+  const auto lines = warnings(study, summary, best, {});
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0] ==
+        "the optimum of 2 of 3 scenes lies on the edge of the lattice: the smallest r1 in 1, the "
+        "largest r1 in 1");
 }

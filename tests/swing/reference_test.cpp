@@ -130,7 +130,9 @@ std::vector<std::vector<double>> accurate_values(const Scene& scene, const Solve
 
 /// The size of a value against which errors are judged: an angle may be zero.
 double size_of(Field field, double value) {
-  return info(field).units == "rad" ? 1 : std::abs(value);
+  if (info(field).units == "rad") return 1;
+  // A clearance may be zero; 1 m is the size of these machines.
+  return info(field).units == "m" ? std::max(1.0, std::abs(value)) : std::abs(value);
 }
 
 }  // namespace

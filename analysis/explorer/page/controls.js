@@ -28,7 +28,8 @@ function element(tag, properties, ...children) {
 
 /** A default as a field shows it. */
 function shortText(value) {
-  return typeof value === "number" ? String(Number(value.toPrecision(8))) : value;
+  if (typeof value === "number") return String(Number(value.toPrecision(8)));
+  return typeof value === "string" ? value : [value.first, value.last, value.step].map(shortText).join(":");
 }
 
 /** A field for a key with its label, slider and message. change(name, text) reports an edit. */

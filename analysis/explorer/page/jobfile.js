@@ -99,9 +99,9 @@ export function suggestedDesign(text) {
   return null;
 }
 
-/** A job file for trebsweep; `proposed` are lattice axes, {key: text}, that the job does not give. */
-export function jobText(job, unused, proposed, design) {
-  const values = { ...proposed };
+/** A job file for trebsweep. */
+export function jobText(job, unused, design) {
+  const values = {};
   for (const [key, value] of Object.entries(job))
     if (value !== "" && !unused.has(key)) values[key] = value;
   const lines = [

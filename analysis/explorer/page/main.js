@@ -244,10 +244,7 @@ function tryToLoad(text, name) {
 }
 
 function copyJob() {
-  const { box, job, unused } = valid;
-  const proposed = Object.fromEntries(box.proposed.map((axis) =>
-    [`lattice.${axis}`, `${box[axis].low}:${box[axis].high}:${box[axis].step}`]));
-  copy(jobText(job, unused, proposed, state.design));
+  copy(jobText(valid.job, valid.unused, state.design));
 }
 
 let memory = 0, lastMemory = -Infinity;

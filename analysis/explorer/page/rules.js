@@ -5,7 +5,7 @@
 import { fixedSteppers, keys, keyByName, otherDefaults, steppers } from "./keys.js";
 import { InputError, refuse } from "./input_error.js";
 import { numberText } from "./numbers.js";
-import { boxOf } from "./space.js";
+import { boxOf, withTroughAxes } from "./space.js";
 import { valueOf } from "./values.js";
 
 /** Why each key that a job does not use must be left out. `get(name)` is the value of a key. */
@@ -19,7 +19,9 @@ export function unusedKeys(get) {
              " with scene.beam-mass, beam-centre and beam-moment, which describe the whole beam");
   if (get("scene.trough") === "yes")
     leaveOut(["scene.sling-angle"], " with scene.trough = yes, which determines it");
-  else
+  if (get("scene.trough") === "yes" && !get("lattice.r3"))
+    leaveOut(["lattice.shortest-sling"], " with scene.trough = yes; give lattice.r3");
+  if (get("scene.trough") === "no")
     leaveOut(["scene.trough-height"], " unless scene.trough is yes");
   if (get("scene.projectile-diameter") === 0)
     leaveOut(["scene.drag-coefficient", "scene.air-density", "scene.wind"],
@@ -70,6 +72,18 @@ function checkTrough(get) {
            `below scene.fulcrum-height = ${numberText(get("scene.fulcrum-height"))}`);
 }
 
+/** Checks that an elastic sling is not so soft that it starts far below the ground. */
+function checkStartStretch(get) {
+  const stiffness = get("scene.sling-stiffness"), height = get("scene.fulcrum-height"), most = 10;
+  const mass = get("scene.projectile-mass") + get("scene.sling-mass") / 2;
+  const load = mass * get("scene.gravity") * Math.max(0, Math.cos(get("scene.sling-angle")));
+  const least = load / (most * height);
+  if (stiffness > 0 && stiffness < least)
+    refuse("scene.sling-stiffness", numberText(stiffness),
+           `0 (rigid), or at least ${numberText(1.01 * least, 3)} N/m: at the start, the weight that the sling ` +
+           `carries must not stretch it by more than ${most} times scene.fulcrum-height = ${numberText(height)}`);
+}
+
 function checkSling(get) {
   const stiffness = get("scene.sling-stiffness"), damping = get("scene.sling-damping");
   if (damping > 0 && stiffness === 0)
@@ -80,6 +94,7 @@ function checkSling(get) {
     refuse("scene.sling-stiffness", numberText(stiffness),
            `0 with ${hanger ? "scene.counterweight-hanger above 0" : "scene.trough = yes"}: the ` +
            `equations of an elastic sling do not include ${hanger ? "a hanger" : "a trough"}`);
+  checkStartStretch(get);
 }
 
 /** Why a scene does not have a field, as the rest of a message; empty if it has it. */
@@ -170,7 +185,8 @@ export function checkedValues(values, core) {
   const unused = unusedKeys(get);
   const used = (name) => unused.has(name) ? defaultOf(name, core) : get(name);
   for (const check of [checkRelease, checkBeam, checkTrough, checkSling, checkFields, checkOptimum]) check(used);
-  return { get, unused, box: boxOf(get), numbers: numbersOf(values, unused, core) };
+  const completed = withTroughAxes(values, get), getCompleted = (name) => completed[name] ?? defaultOf(name, core);
+  return { get: getCompleted, unused, box: boxOf(getCompleted), numbers: numbersOf(values, unused, core) };
 }
 
 /**

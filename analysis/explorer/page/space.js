@@ -81,9 +81,9 @@ const maxCells = 1e12, maxCount = 1e7;
 /** Refuses a lattice that is too large for the program. */
 function checkSize(box, get) {
   const refuseStep = (axis, why) => {
-    const isGiven = get(`lattice.${axis}`);
-    const key = isGiven ? `lattice.${axis}` : "lattice.increment";
-    throw new InputError(key, `${key}${isGiven ? " with a step" : ""} = ${numberText(box[axis].step)}${why}`);
+    const isOwn = get(`lattice.${axis}`) && box[axis].step !== get("lattice.increment");
+    const key = isOwn ? `lattice.${axis}` : "lattice.increment";
+    throw new InputError(key, `${key}${isOwn ? " with a step" : ""} = ${numberText(box[axis].step)}${why}`);
   };
   for (const axis of axes) {
     const { first, step, count } = box[axis], last = first + (count - 1) * step;
@@ -102,35 +102,40 @@ function checkSize(box, get) {
 /**
  * The box of the designs: for each axis its bounds {low, high}, the values of its lattice {first, step, count}
  * and the number of the equation of its bounds, `rule`, unless they are explicit; and `reach`, the bound of
- * r2 + r3 (49), infinite where r2 is explicit. Axes in `proposed` are the page's own, where a trough needs
- * explicit ones. Throws InputError if it is empty.
+ * r2 + r3 (49), infinite where r2 is explicit. Throws InputError if it is empty.
  */
 export function boxOf(get) {
-  const h0 = get("scene.fulcrum-height"), trough = get("scene.trough") === "yes";
-  const box = { reach: Infinity, proposed: [] };
+  const box = { reach: Infinity };
   const explicit = (axis) => {
     const given = get(`lattice.${axis}`);
-    if (given) return closedInterval({ ...given, step: given.step || get("lattice.increment") });
-    if (axis === "r1" || !trough) return null;
-    box.proposed.push(axis);
-    return closedInterval(proposedRange(h0));
+    return given ? closedInterval({ ...given, step: given.step || get("lattice.increment") }) : null;
   };
   box.r1 = explicit("r1") ?? { ...armAxis(get), rule: " (47)" };
   box.r3 = explicit("r3") ?? { ...slingAxis(get), rule: " (48)" };
   box.r2 = explicit("r2");
   if (!box.r2) {
     box.r2 = { ...throwingAxis(get, box.r3.low), rule: " (49)" };
-    box.reach = h0;
+    box.reach = get("scene.fulcrum-height");
   }
   checkSize(box, get);
   return box;
 }
 
-/** The lengths of arm and sling that the page proposes for a trough: around the fulcrum's height. */
-function proposedRange(h0) {
-  const step = Number((h0 / 50).toPrecision(1));
-  const steps = (x) => Number((Math.round(x / step) * step).toPrecision(12));
-  return { first: steps(0.4 * h0), last: steps(2.2 * h0), step };
+/** The whole number of steps nearest to a length, at least one, m. */
+const wholeSteps = (length, step) => Number((Math.max(1, Math.round(length / step)) * step).toPrecision(15));
+
+/** A thirtieth of the fulcrum's height, rounded up to one digit. */
+function coarseIncrement(h0) {
+  const least = h0 / 30, digit = 10 ** Math.floor(Math.log10(least));
+  return wholeSteps(Math.ceil(least / digit - roundingAllowance) * digit, digit);
+}
+
+/** The values of a job with those of r3, r2 and the increment that a trough has by default. */
+export function withTroughAxes(values, get) {
+  if (get("scene.trough") !== "yes" || (values["lattice.r3"] && values["lattice.r2"])) return values;
+  const h0 = get("scene.fulcrum-height"), step = values["lattice.increment"] ?? coarseIncrement(h0);
+  const axis = { first: wholeSteps(0.4 * h0, step), last: wholeSteps(2.2 * h0, step), step };
+  return { "lattice.r3": axis, "lattice.r2": axis, "lattice.increment": step, ...values };
 }
 
 /** The range of an axis that a plane shows: its bounds, or the surroundings of a single value. */

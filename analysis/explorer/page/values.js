@@ -24,17 +24,20 @@ function parseAxis({ name }, text) {
   const numbers = text.split(":").map(parseNumber);
   const [first, last = first, step = 0] = numbers;
   if (![1, 3].includes(numbers.length) || !numbers.every(isLength) || first > last)
-    refuse(name, text, "first:last:step or a single value, in metres, each from 1e-12 to 1e+12, with first <= last");
+    refuse(name, text, "first:last:step with a step above 0 and first <= last, or a single value, in metres, each " +
+                       "from 1e-12 to 1e+12");
   if (step) checkSteps(name, text, first, last, step);
   return { first, last, step };
 }
 
 /** A constraint, {field, sign, limit}. */
 function parseConstraint({ name, names }, text, core) {
+  const check = (valid, why) => valid || refuse(name, text, `FIELD <= NUMBER or FIELD >= NUMBER, ${why}`);
   const [, field, sign, limit] = text.match(/^(.*?)\s*([<>]=)(.*)$/) ?? [];
+  check(sign, "with the sign <= or >=, which includes the limit");
+  check(names(core).includes(field), `where FIELD is one of ${names(core).join(", ")}`);
   const x = parseNumber(limit);
-  if (!names(core).includes(field) || !Number.isFinite(x))
-    refuse(name, text, `FIELD <= NUMBER or FIELD >= NUMBER, where FIELD is one of ${names(core).join(", ")}`);
+  check(Number.isFinite(x), "where NUMBER is finite, without a unit");
   return { field, sign, limit: x };
 }
 

@@ -15,6 +15,7 @@ struct AssessOptions {
   bool overwrite = false;  ///< replace an existing file
   bool progress = true;    ///< report each stage on stderr
   std::string command;     ///< the command line, for the file's history
+  std::string job_name;    ///< names the job's own scene
 };
 
 /// Measures what the job's [assess] asks for and writes the tables to the job's output file;

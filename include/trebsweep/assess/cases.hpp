@@ -19,9 +19,9 @@ struct Case {
   std::vector<Reference> references;    ///< references[n] belongs to designs[n]
 };
 
-/// The cases that a job's [assess] names, or the job's own scene if it names none. References are
-/// left empty. Collective. Throws InputError if one of the files is invalid.
-std::vector<Case> make_cases(const Job& job, MPI_Comm comm);
+/// The cases that a job's [assess] names, or the job's own scene, called `own`, if it names
+/// none. References are left empty. Collective. Throws InputError if one of the files is invalid.
+std::vector<Case> make_cases(const Job& job, const std::string& own, MPI_Comm comm);
 
 /// Computes the references of all cases, sharing the designs among the ranks; collective.
 void compute_references(std::vector<Case>& cases, MPI_Comm comm);

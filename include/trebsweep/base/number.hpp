@@ -48,7 +48,7 @@ double to_number(const std::string& key, const std::string& value, const Range& 
 double rounded_sum(double first, std::size_t n, double step);
 
 /// The value of a key as a duration in seconds: 90, 1:30, 2:00:00 or 1-12:00:00. Throws InputError
-/// if it is not a duration above 0.
+/// if it is not a duration above 0, or a part is as long as the unit of the part before it.
 double to_seconds(const std::string& key, const std::string& value);
 
 /// A UDUNITS string in common notation: "m/s" for "m s-1", and nothing for "1".

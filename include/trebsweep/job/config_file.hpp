@@ -14,4 +14,8 @@ std::map<std::string, std::string> parse_config(const std::string& text, const s
 /// file is missing, unreadable, not a regular file, not text, or longer than 1 MiB.
 std::string read_job_file(const std::string& path, const std::string& what = "job file ");
 
+/// Reads a job file from stdin to its end. Throws InputError if stdin is empty or unreadable, a
+/// signal arrives meanwhile, or what was read is not text or is longer than 1 MiB.
+std::string read_job_from_stdin();
+
 }  // namespace trebsweep

@@ -63,7 +63,8 @@ struct OptimumSpec {
   std::vector<Constraint> constraints;  ///< `subject-to`
   double deviation = 0;                 ///< m: by how much each built length may be off
   Robust robust = Robust::no;
-  bool refine = false;  ///< whether a sweep searches between the designs of its lattice
+  bool refine = false;    ///< whether a sweep searches between the designs of its lattice
+  bool buildable = true;  ///< whether the search is among designs that can be built
 };
 
 /// What `trebsweep assess` compares.
@@ -96,13 +97,23 @@ struct Job {
 /// Values given on the command line, by key name, including scene.file.
 using Overrides = std::map<std::string, std::string>;
 
-/// Parses the text of a job file. `name` is the file's path: it appears in messages, its stem +
-/// ".h5" is the archive's default name, and its directory resolves relative paths in the job.
+/// How the default name of an archive of an assessment ends; that of a sweep ends in ".h5".
+inline constexpr const char* assessment_ending = "-assess.h5";
+
+/// The path of a job file that means stdin.
+inline constexpr const char* stdin_path = "-";
+
+/// The name of a job: that of its file, without directory and extension, or "job" for stdin.
+std::string job_name(const std::string& path);
+
+/// Parses the text of a job file. `name` is the file's path: it appears in messages, its job_name()
+/// + `ending` is the archive's default name, and its directory resolves relative paths in the job.
 ///
 /// The value of a scene key is taken from the first of these that sets it: `overrides`, the file
 /// named by their scene.file, the job's own [scene], the file named by the job's scene.file.
 /// Throws InputError, also if a key is given that the scene or the solver does not use.
-Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides);
+Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides,
+              const std::string& ending = ".h5");
 
 /// The canonical text of a job: a job file with the value of every key that the job uses. The keys
 /// of [assess] do not affect maps and are included on request.
@@ -110,6 +121,10 @@ std::string to_text(const Job& job, bool with_assessment = false);
 
 /// The scene on one line: its files, and every key that differs from its default.
 std::string scene_text(const Job& job);
+
+/// The axes r3 and r2 that a job with a trough has by default: "r3 = 0.6:3.3:0.05 m (default with a
+/// trough)"; empty if they differ from the default.
+std::string trough_axes_text(const Job& job);
 
 /// The solver on one line: the stepper, its step or tolerance, and the release condition.
 std::string solver_text(const Solver& solver);

@@ -18,7 +18,8 @@ struct AxisRange {
 };
 
 /// The lattice of a job; the defaults are the paper's. An axis without an explicit range has the
-/// paper's bounds (47)-(49), which are strict.
+/// paper's bounds (47)-(49), which are strict. Under (48) and (49) no sling reaches a trough on the
+/// ground.
 struct LatticeSpec {
   double increment = 0.01;       ///< dr, m: the step of every axis that is not explicit
   double shortest_sling = 0.30;  ///< m: the smallest r3 (48)
@@ -34,6 +35,14 @@ struct ArmBounds {
 /// The arm must be long enough to hold the counterweight at the start height, unless the scene
 /// gives the start angle, and so short that the counterweight, hanging below it, clears the ground.
 ArmBounds arm_bounds(const Scene& scene);
+
+/// The default axis of r3 and r2 in scenes with a trough, to which the sling must reach down:
+/// around the heights of their fulcrums (m), in whole steps.
+AxisRange trough_axis(double lowest, double highest, double step);
+
+/// The lattice of scenes with a trough, in which an axis r3 or r2 that is not explicit has that
+/// default; without an increment from the job its step is coarse.
+LatticeSpec with_trough_axes(LatticeSpec spec, bool has_increment, double lowest, double highest);
 
 /// An index or an extent in the lattice along (r1, r3, r2).
 using Index3 = std::array<std::size_t, 3>;
@@ -54,8 +63,8 @@ struct Block {
 /// depends on r3, and that of storage, in which r2 varies fastest.
 class Lattice {
  public:
-  /// Throws InputError if the scene and the spec allow no design, if the scene has a trough and r3
-  /// or r2 is not explicit, or if the box has more than 1e12 cells.
+  /// Throws InputError if the scene and the spec allow no design, or if the box has more than 1e12
+  /// cells. In a scene with a trough r3 and r2 must be explicit: with_trough_axes().
   Lattice(const Scene& scene, const LatticeSpec& spec);
 
   /// Extends the box, in which the lattice keeps its designs. `box` must hold the values of the

@@ -36,7 +36,7 @@ T elastic_tension(const T& stretch, const T& rate, const T& stiffness, const T& 
   return select((stretch > T(0)) & (force > T(0)), force, T(0));
 }
 
-/// The loads of sling, axle and beam at one time.
+/// The loads of sling, hanger, axle and beam, and heights above the ground, at one time.
 template <class T>
 struct Loads {
   T projectile_tension;  ///< N: of the sling at the projectile; negative where a rigid sling would
@@ -45,7 +45,10 @@ struct Loads {
   T axle;                ///< N: force between axle and beam
   T beam_stress;     ///< Pa: bending stress at the fulcrum, at the surface of the throwing arm; its
                      ///< sign is that of the bending moment; NaN for a measured beam
-  T hanger_tension;  ///< N: of the hanger; zero without one
+  T hanger_tension;  ///< N: of the hanger; negative under compression; zero without one
+  T tip_height;      ///< m: of the throwing arm's tip
+  T counterweight_height;  ///< m
+  T projectile_height;     ///< m
 };
 
 /// Positions, velocities, energies and loads of one design in a scene, as functions of the state;
@@ -239,6 +242,13 @@ class Mechanism {
       loads.hanger_tension = m1 * dot(on_counterweight, hanger(at));
     else
       loads.hanger_tension = T(0);
+    const T h0(scene_.fulcrum_height);
+    loads.tip_height = h0 - r2 * a.y;
+    loads.counterweight_height = h0 + r1 * a.y;
+    if constexpr (E.hanger)
+      loads.counterweight_height =
+          loads.counterweight_height - T(scene_.counterweight_hanger) * hanger(at).y;
+    loads.projectile_height = loads.tip_height - sling_length(x) * e.y;
     return loads;
   }
 

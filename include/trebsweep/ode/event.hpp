@@ -33,8 +33,14 @@ struct AngleEvent {
   }
 };
 
+/// phi1 = 3 pi/2, where a swing whose release depends on the sling's angle ends at the latest.
+template <class Number>
+AngleEvent<Number> last_arm_event() {
+  return {false, boost::math::constants::pi<Number>() * Number(1.5)};
+}
+
 /// The event that ends a swing by the rule of release; by the rules farthest and fastest, the end
-/// of the interval from which the release is chosen.
+/// of the search for the best release.
 template <class Number>
 AngleEvent<Number> end_event(const Solver& solver) {
   const Number pi = boost::math::constants::pi<Number>();
@@ -45,7 +51,7 @@ AngleEvent<Number> end_event(const Solver& solver) {
       return {true, Number(-solver.pin_angle.value())};
     case Release::farthest:
     case Release::fastest:
-      return {false, pi * Number(1.5)};
+      return last_arm_event<Number>();
     case Release::crossing:
       break;
   }

@@ -33,18 +33,21 @@ class Quintic {
     }
   }
 
-  /// The state at the fraction s of the step, 0 <= s <= 1.
-  State<T, E> operator()(double s) const {
-    const double missed = s * s * s * (10 - 15 * s + 6 * s * s);
-    const double missed_rate = 30 * s * s * (1 - s) * (1 - s);
+  /// The state at the fraction s of the step, 0 <= s <= 1, the same in all lanes or one of each.
+  template <class S>
+  State<T, E> operator()(const S& s) const {
+    const S rest = S(1) - s;
+    const S missed = s * s * s * S(S(10) - S(15) * s + S(6) * s * s);
+    const S missed_rate = S(30) * s * s * rest * rest;
     State<T, E> x;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       const auto [position, rate] = coordinates_[i];
       const auto& c = pairs_[i];
-      x[position] = from_[position] + T(s) * c.first + T(s * s) * c.second +
-                    T(s * s * s) * c.third + T(s * s * s * s) * c.fourth + T(missed) * c.missed;
-      const T change = T(2 * s) * c.second + T(3 * s * s) * c.third + T(4 * s * s * s) * c.fourth +
-                       T(missed_rate) * c.missed;
+      x[position] = from_[position] + T(s) * c.first + T(S(s * s)) * c.second +
+                    T(S(s * s * s)) * c.third + T(S(s * s * s * s)) * c.fourth +
+                    T(missed) * c.missed;
+      const T change = T(S(S(2) * s)) * c.second + T(S(S(3) * s * s)) * c.third +
+                       T(S(S(4) * s * s * s)) * c.fourth + T(missed_rate) * c.missed;
       x[rate] = from_[rate] + change * per_h_;
     }
     return x;

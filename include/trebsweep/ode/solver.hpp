@@ -16,10 +16,9 @@ enum class Release {
   crossing,  ///< phi1 = release_angle for the first time, located by root finding
   window,    ///< the paper's rule: the end of the first step with |pi - phi1| < release_window
   pin,       ///< phi1 - phi2, the angle between the sling and the arm's continuation, falls to
-             ///< pin_angle for the first time after lift-off
-  farthest,  ///< the instant of the largest range from lift-off until the arm turns back, phi1 = 3
-             ///< pi/2, or max_time
-  fastest    ///< the instant of the largest speed within the same interval
+             ///< pin_angle for the first time after lift-off, and before phi1 = 3 pi/2
+  farthest,  ///< the largest range of releases by pins at all angles in (-pi, pi)
+  fastest    ///< the largest speed of these
 };
 
 /// In the order of Release.
@@ -52,7 +51,7 @@ inline double setting(const Solver& solver) {
 /// release depends on the steps, becomes crossing.
 inline Release located(Release rule) { return rule == Release::window ? Release::crossing : rule; }
 
-/// Whether a rule of release chooses the best moment of an interval.
+/// Whether a rule of release chooses the best of the moments at which a pin can release.
 inline bool takes_best_moment(Release rule) {
   return rule == Release::farthest || rule == Release::fastest;
 }

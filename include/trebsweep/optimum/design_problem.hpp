@@ -34,6 +34,18 @@ bool has_sum(const DesignProblem& problem);
 /// sling.
 std::vector<Constraint> constraints_of(const Job& job);
 
+/// The scale of a constraint: its limit or, if that is zero, a height or a weight of the machine,
+/// or the magnitude of a value of its field.
+double scale_of(const Constraint& constraint, const Scene& scene, double value);
+
+/// The conditions that a machine can be built: arm's tip, counterweight and projectile stay above
+/// the ground, a rigid sling stays taut, and the angle phi1 - phi2 at the release is one of a pin.
+std::vector<Constraint> build_constraints(const Scene& scene, const Solver& solver);
+
+/// The job that a search solves: with optimum.buildable, it is subject to those build_constraints()
+/// that its own constraints do not imply.
+Job searched_job(const Job& job);
+
 Eigen::VectorXd to_variables(const DesignProblem& problem, const Design<double>& design);
 Design<double> to_design(const DesignProblem& problem, const Eigen::VectorXd& variables);
 

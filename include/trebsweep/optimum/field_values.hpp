@@ -14,6 +14,9 @@ enum class Accuracy {
   check    ///< the same by another stepper
 };
 
+/// The solver of Accuracy::coarse.
+Solver coarse_solver(const Solver& solver);
+
 /// The values of fields at designs, a row per field and a column per design; NaN without a release.
 Eigen::MatrixXd field_values(const Scene& scene, const Solver& solver, Accuracy accuracy,
                              std::span<const Design<double>> designs,

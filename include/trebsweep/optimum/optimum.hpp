@@ -13,6 +13,7 @@
 #include "trebsweep/base/progress.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/optimum/allowance.hpp"
+#include "trebsweep/optimum/maxima.hpp"
 #include "trebsweep/optimum/robust.hpp"
 #include "trebsweep/optimum/sensitivity.hpp"
 
@@ -25,11 +26,16 @@ struct ActiveLimit {
   double multiplier;       ///< d optimum / d limit; of a robust optimum, of its worst or mean value
 };
 
-/// A local maximum of the objective, under the constraints.
-struct LocalMaximum {
+/// A field at the optimum.
+struct BuildValue {
+  Field field;
+  double value;  ///< in the unit of the field
+};
+
+/// A better design than the optimum, next to which the objective jumps.
+struct UnsafeDesign {
   Design<double> design;
   double value;
-  std::uint64_t starts;  ///< number of searches that reached it
 };
 
 /// The best design of a job. Vectors and matrices of lengths are in the order r1, r3, r2.
@@ -42,8 +48,10 @@ struct OptimumResult {
   /// Whether the conditions of Karush, Kuhn and Tucker hold. Not where a function has a kink at the
   /// optimum, or designs next to it have no release.
   bool converged;
-  std::vector<ActiveLimit> active;               ///< empty if not converged
-  std::array<double, 3> gradient;                ///< of the objective, per m
+  std::optional<UnsafeDesign> unsafe;  ///< if there is one, the optimum is the best safe design
+  std::vector<BuildValue> values;      ///< what a builder needs to know
+  std::vector<ActiveLimit> active;     ///< empty if not converged
+  std::array<double, 3> gradient;      ///< of the objective, per m
   std::array<std::array<double, 3>, 3> hessian;  ///< per m^2
   std::array<Allowance, 3> allowances;
   /// By the keys of the scene, without the section.
@@ -61,11 +69,12 @@ struct OptimumOptions {
   ProgressStyle progress = ProgressStyle::none;
 };
 
-/// Searches for the optimum of a job: a coarse sweep of the job's own lattice or of
-/// coarse_lattice(), then continuous searches from its best local maxima. Every design is
+/// Searches for the optimum of a job, which is_safe(): a coarse sweep of the job's own lattice or
+/// of coarse_lattice(), then continuous searches from its best local maxima. Every design is
 /// integrated accurately by vern8 to the solver's located() release. Returns the result on rank 0.
-/// Throws NoOptimum on all ranks if the design space is empty, nothing is released or no design
-/// satisfies the constraints. Collective.
+/// Throws NoOptimum on all ranks if the design space is empty, nothing is released, no design
+/// satisfies the constraints, none that does is safe, or the objective grows without limit towards
+/// an open bound. Collective.
 std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& options,
                                           MPI_Comm comm);
 

@@ -34,7 +34,12 @@ enum class Field {
   lift_off_time,
   arm_angle,
   pin_angle,
-  peak_hanger_tension
+  peak_hanger_tension,
+  least_hanger_tension,
+  ground_clearance,
+  tip_clearance,
+  counterweight_clearance,
+  projectile_clearance
 };
 
 /// How a field is computed.
@@ -107,6 +112,18 @@ inline constexpr auto field_info = std::to_array<FieldInfo>({
      "angle between the sling and the continuation of the throwing arm at release"},
     {Field::peak_hanger_tension, "peak-hanger-tension", "N", FieldKind::load,
      "largest tension of the counterweight's hanger"},
+    {Field::least_hanger_tension, "least-hanger-tension", "N", FieldKind::load,
+     "smallest tension of the counterweight's hanger, negative under compression"},
+    {Field::ground_clearance, "ground-clearance", "m", FieldKind::load,
+     "smallest height above the ground of the arm's tip, the counterweight and, unless it lies in "
+     "the trough, the projectile"},
+    {Field::tip_clearance, "tip-clearance", "m", FieldKind::load,
+     "smallest height of the arm's tip above the ground"},
+    {Field::counterweight_clearance, "counterweight-clearance", "m", FieldKind::load,
+     "smallest height of the counterweight above the ground"},
+    {Field::projectile_clearance, "projectile-clearance", "m", FieldKind::load,
+     "smallest height of the projectile above the ground, from its lift-off if it starts in a "
+     "trough"},
 });
 static_assert(std::all_of(field_info.begin(), field_info.end(), [](const FieldInfo& info) {
   return &info - field_info.data() == static_cast<std::ptrdiff_t>(info.field);

@@ -24,6 +24,12 @@ T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T,
   const auto potential_energy_released = [&] {
     return T(mechanism.potential_energy(at_start()) - mechanism.potential_energy(x));
   };
+  const auto projectile_clearance = [&] {
+    const T& least = record.projectile_clearance;
+    // Rounding errors just after the lift-off do not count.
+    const T trough(scene.trough_height), almost(scene.trough_height - ground_rounding);
+    return E.trough ? select((least > almost) & (least < trough), trough, least) : least;
+  };
   switch (field) {
     case Field::sling_angle:
       return x[phi2];
@@ -67,6 +73,17 @@ T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T,
       return record.peak_stress;
     case Field::peak_hanger_tension:
       return record.peak_hanger_tension;
+    case Field::least_hanger_tension:
+      return record.least_hanger_tension;
+    case Field::ground_clearance:
+      return smaller(smaller(record.tip_clearance, record.counterweight_clearance),
+                     projectile_clearance());
+    case Field::tip_clearance:
+      return record.tip_clearance;
+    case Field::counterweight_clearance:
+      return record.counterweight_clearance;
+    case Field::projectile_clearance:
+      return projectile_clearance();
     case Field::speed:
     case Field::release_time:
     case Field::status:

@@ -100,6 +100,30 @@ ValueAndSlope<T> range_and_slope(const Scene& scene, const Vector<T>& position,
   return {x, dx - select(vy < T(0), T(vx / vy), T(0)) * dy};
 }
 
+/// An upper bound of the range (m) of a flight through air, without integrating it; NaN below the
+/// ground.
+///
+/// Relative to the air, drag keeps the path below the parabola of a flight without it: drag does
+/// not turn the velocity, and gravity turns it the faster the slower the projectile is. With a head
+/// wind, the path over the ground is shorter as well: it takes at least as long as the parabola, or
+/// it ends earlier, at no larger horizontal speed. A tail wind carries the projectile as long as it
+/// flies, which is at most the rise without drag, and a fall at a speed at which the air, passing
+/// at no more than the speed u of its energy, holds it: sqrt(2 H/g) + H k u/g from the height H.
+template <class T>
+T longest_range(const Scene& scene, const Vector<T>& position, const Vector<T>& velocity) {
+  using std::sqrt;
+  const T height = flight_height(scene, position), g(scene.gravity), none(0);
+  const DragFreeFall<T> fall(scene, height, velocity.y);
+  const T wind(std::max(scene.wind, 0.0)), ahead = velocity.x - wind;
+  const T parabola = position.x + select(ahead > none, ahead, none) * fall.time;
+  if (scene.wind <= 0) return parabola;
+  const T rise = select(velocity.y > none, T(velocity.y / g), none);
+  const T apex = height + T(0.5) * g * rise * rise;
+  const T speed = sqrt(T(ahead * ahead + velocity.y * velocity.y + T(2) * g * height));
+  const T longest = rise + sqrt(T(T(2) * apex / g)) + T(drag_constant(scene)) * speed * apex / g;
+  return parabola + wind * longest;
+}
+
 // Instantiated in src/swing/flight.cpp and, for packs, src/swing/kernel/flight.cpp.
 extern template Flight<double> flight(const Scene&, const Vector<double>&, const Vector<double>&);
 extern template ValueAndSlope<double> range_and_slope(const Scene&, const Vector<double>&,

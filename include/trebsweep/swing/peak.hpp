@@ -12,6 +12,11 @@ T larger(const T& a, const T& b) {
   return select(a < b, b, a);
 }
 
+template <class T>
+T smaller(const T& a, const T& b) {
+  return select(b < a, b, a);
+}
+
 /// A maximum and where it is.
 template <class T>
 struct Peak {

@@ -6,16 +6,15 @@
 #include <span>
 
 #include "trebsweep/ode/event.hpp"
-#include "trebsweep/swing/best_moment.hpp"
+#include "trebsweep/swing/best_release.hpp"
 #include "trebsweep/swing/field_value.hpp"
 #include "trebsweep/swing/lane_state.hpp"
 #include "trebsweep/swing/release_rule.hpp"
 
 namespace trebsweep {
 
-/// Swings whose last step contains the release, or the end of the interval from which it is chosen.
-/// They wait until they fill a pack, so that root finding and fields are computed for all lanes at
-/// once.
+/// Swings whose last step contains the release, or the end of the search for the best one. They
+/// wait until they fill a pack, so that root finding and fields are computed for all lanes at once.
 template <class Stepper, class T, Effects E>
 class ReleaseQueue {
  public:
@@ -29,7 +28,7 @@ class ReleaseQueue {
   /// Adds the swing in a lane, whose last step is from `from` to `to`.
   void push(std::size_t lane, std::uint64_t index, std::uint64_t steps,
             const LaneState<T, E>& state, const SwingRecord<T>& record,
-            const BestMoment<T, E>& best, const Instant<T, E>& from, const Instant<T, E>& to) {
+            const BestRelease<T, E>& best, const Instant<T, E>& from, const Instant<T, E>& to) {
     copy_lane<T>(pending_.design, size_, state.design, lane);
     copy_lane<T>(pending_.to, size_, to, lane);
     if (lanes == 1 || recording_ || !rule_.is_window()) {
@@ -37,7 +36,7 @@ class ReleaseQueue {
       copy_lane<T>(pending_.from, size_, from, lane);
     }
     if (recording_) copy_lane<T>(pending_.record, size_, record, lane);
-    if (rule_.chooses()) copy_lane<T>(pending_.best, size_, best, lane);
+    if (rule_.chooses()) best_.copy(size_, best, lane);
     index_[size_] = index;
     steps_[size_] = steps;
     ++size_;
@@ -49,7 +48,7 @@ class ReleaseQueue {
   [[gnu::noinline]] void locate_releases(Stepper& stepper, Done done) {
     if (size_ == 0) return;
     for (std::size_t lane = size_; lane < lanes; ++lane) copy_lane<T>(pending_, lane, pending_, 0);
-    auto& [design, motion, from, to, record, best] = pending_;
+    auto& [design, motion, from, to, record] = pending_;
     const Mechanism<T, E> mechanism(scene_, design);
     LaneMask released = ~LaneMask{0};
     if (rule_.chooses())
@@ -59,9 +58,10 @@ class ReleaseQueue {
     const T speed = mechanism.speed(to.x);
     const LaneMask below_ground = write_fields(stepper, mechanism);
     for (std::size_t lane = 0; lane < size_; ++lane) {
-      const Status status = !is_finite(to, lane)              ? Status::non_finite
+      const Status status = (released >> lane & 1) == 0       ? Status::not_released
+                            : !is_finite(to, lane)            ? Status::non_finite
                             : get_lane(to.t, lane) > latest_  ? Status::not_released
-                            : (released >> lane & 1) == 0     ? Status::not_released
+                            : rule_.is_beyond(lane, to)       ? Status::not_released
                             : (below_ground >> lane & 1) != 0 ? Status::released_below_ground
                                                               : Status::released;
       done(index_[lane], outcome_of(status, to, lane, get_lane(speed, lane), steps_[lane]), from,
@@ -79,29 +79,41 @@ class ReleaseQueue {
     Motion<T, E> motion;
     Instant<T, E> from, to;
     SwingRecord<T> record;
-    BestMoment<T, E> best;
   };
 
-  /// Makes the best moment of the interval, which ends with the last step, the end of the last
-  /// step. Returns the lanes that have one.
+  /// Makes the best release the end of the last step, which was the end of the search. Returns the
+  /// lanes that have one.
   LaneMask choose(Stepper& stepper, const Mechanism<T, E>& mechanism) {
-    auto& [design, motion, from, to, record, best] = pending_;
+    auto& [design, motion, from, to, record] = pending_;
     rule_.end_at_turning_points(~LaneMask{0}, stepper, motion, from, to);
-    to = end_of_interval(stepper, motion, from, to, turned_by(from, to),
-                         T(Number(solver_.max_time)));
-    try_step_of_swing(best, solver_.release, parts_to_search<Stepper>, motion, mechanism, from, to,
-                      T(to.t - from.t), record);
-    // Where the worth falls at the end, it has a maximum before, whose worth is only estimated.
-    const auto end = worth(solver_.release, mechanism, to, 1e-5);
-    const auto is_better = (end.slope > T(0)) & (end.value > best.worth);
-    const auto exists = best.worth > T(-std::numeric_limits<double>::infinity());
-    Instant<T, E> moment = best_instant(best, solver_.release, stepper, motion, mechanism);
-    const auto at_end = is_better | (moment.t > to.t) | !exists;
-    copy_where<T>(at_end, moment, to);
-    copy_where<T>(!at_end, from, best.bracket.from);
-    copy_where<T>(!at_end, record, best.record);
-    to = moment;
-    return lanes_of(is_better | exists);
+    to = end_of_search(stepper, motion, from, to);
+    best_.try_step((LaneMask{1} << size_) - 1, solver_.release, motion, mechanism, from, to,
+                   step_between(from, to), record);
+    const BestMoment<T, E>& moment = best_.moment();
+    const LaneMask exists = lanes_of(moment.worth > T(-std::numeric_limits<double>::infinity()));
+    to = best_instant(moment, solver_.release, solver_.tolerance, stepper, motion, mechanism);
+    from = moment.bracket.from;
+    record = moment.record;
+    return exists;
+  }
+
+  /// The end of the search within the last step: the first of phi1 = 3 pi/2 and max_time.
+  Instant<T, E> end_of_search(Stepper& stepper, const Motion<T, E>& motion,
+                              const Instant<T, E>& from, const Instant<T, E>& to) const {
+    const AngleEvent<Number>& event = rule_.event();
+    Instant<T, E> end = to;
+    const auto passes = event.value(to.x) >= T(event.target);
+    if (any(passes)) copy_where<T>(passes, end, event_between(event, stepper, motion, from, to));
+    const T max_time(Number(solver_.max_time));
+    const auto late = end.t > max_time;
+    if (any(late)) {
+      Instant<T, E> limited;
+      State<T, E> error;
+      advance(stepper, motion, from, select(late, T(max_time - from.t), T(to.t - from.t)), limited,
+              error);
+      copy_where<T>(late, end, limited);
+    }
+    return end;
   }
 
   /// Returns the lanes that are below the ground, if a field of the flight is requested.
@@ -109,7 +121,7 @@ class ReleaseQueue {
     LaneMask below_ground = 0;
     if constexpr (has_fields<T>) {
       if (fields_.empty()) return 0;
-      auto& [design, motion, from, to, record, best] = pending_;
+      auto& [design, motion, from, to, record] = pending_;
       if (request_.steps())
         record = record_step(record, request_, stepper, solver_.tolerance, motion, mechanism, from,
                              to, step_between(from, to));
@@ -141,6 +153,7 @@ class ReleaseQueue {
   const Number latest_ = latest_time<Number>(solver_);
 
   PendingRelease pending_{};
+  BestRelease<T, E> best_;
   std::array<std::uint64_t, lanes> index_{}, steps_{};
   std::size_t size_ = 0;
 };

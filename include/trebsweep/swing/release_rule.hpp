@@ -8,22 +8,26 @@
 
 namespace trebsweep {
 
-/// The fraction of a step at which the arm is turning back, a multiple of a quarter; 0 where it
-/// does not turn back. It may turn forward again later in the step.
+/// The fraction of a step by which phi1 - phi2 has turned back, a multiple of a quarter; 0 where it
+/// does not turn back. It may turn again later in the step.
 template <class T, Effects E>
-T turned_by(const Instant<T, E>& from, const Instant<T, E>& to) {
+T sling_turned_by(const Instant<T, E>& from, const Instant<T, E>& to) {
+  using std::abs;
   constexpr int parts = 4;
   const T h = to.t - from.t;
-  const T v = from.x[w1], end_v = to.x[w1], a = h * from.dxdt[w1], end_a = h * to.dxdt[w1];
-  T part = select(end_v < T(0), T(1), T(0));
+  const T v = from.x[w1] - from.x[w2], end_v = to.x[w1] - to.x[w2];
+  const T a = h * T(from.dxdt[w1] - from.dxdt[w2]), end_a = h * T(to.dxdt[w1] - to.dxdt[w2]);
+  // After a turning point, where the rate is zero, the acceleration has its sign.
+  const T sign = select(select(abs(v) > T(0), v, a) < T(0), T(-1), T(1));
+  T part = select(sign * end_v < T(0), T(1), T(0));
   for (int i = parts - 1; i > 0; --i) {
     const double s = static_cast<double>(i) / parts, r = 1 - s;
     // Cubic Hermite interpolation of the rate.
     const T rate = T(r * r * (1 + 2 * s)) * v + T(s * s * (1 + 2 * r)) * end_v + T(s * r * r) * a -
                    T(s * s * r) * end_a;
-    part = select(rate < T(0), T(s), part);
+    part = select(sign * rate < T(0), T(s), part);
   }
-  return select(v > T(0), part, T(0));
+  return part;
 }
 
 /// The rule of release of a solver.
@@ -41,16 +45,20 @@ class ReleaseRule {
 
   bool is_window() const { return name_ == Release::window; }
 
-  /// Whether the release is the best moment of an interval, the end of which ends the swing.
+  /// Whether the release is the best of those that a pin can make. The event then ends the search.
   bool chooses() const { return takes_best_moment(name_); }
+
+  /// Whether the release depends on phi1 - phi2. No step may then contain a turning point of this
+  /// angle, so that it falls through the same values by every such rule.
+  bool is_of_sling() const { return name_ == Release::pin || chooses(); }
 
   /// The lanes in which the step may contain the event or a turning point of its angle.
   template <class T, Effects E>
   LaneMask possible(const Instant<T, E>& from, const Instant<T, E>& to) const {
     // Negated so that NaN is possible as well.
-    const LaneMask passed = lanes_of(!(event_.value(to.x) < T(event_.target)));
-    if (is_window()) return passed;
-    if (chooses()) return passed | lanes_of(turned_by(from, to) > T(0));
+    LaneMask passed = lanes_of(!(event_.value(to.x) < T(event_.target)));
+    if (event_.of_sling) passed |= lanes_of(!(to.x[phi1] < T(last_arm_.target)));
+    if (is_window() || event_.of_sling) return passed;
     return passed | lanes_of((event_.rate(from.x) > T(0)) & (event_.rate(to.x) < T(0)));
   }
 
@@ -62,32 +70,31 @@ class ReleaseRule {
       const Number pi = boost::math::constants::pi<Number>();
       return abs(Number(pi - get_lane(to.x[phi1], lane))) < window_;
     }
-    if (passes(lane, from, to)) return true;
-    return chooses() &&
-           (get_lane(turned_by(from, to), lane) > Number(0) || get_lane(to.t, lane) >= max_time_);
+    return passes(event_, lane, from, to) || (chooses() && get_lane(to.t, lane) >= max_time_);
   }
 
-  /// Whether the angle passes its target in a lane. A start beyond it does not.
+  /// Whether the step ends the swing of a lane without a release: while the projectile still
+  /// slides, at the angle of the arm that would release it; by a pin, where the arm has gone too
+  /// far.
   template <class T, Effects E>
-  bool passes(std::size_t lane, const Instant<T, E>& from, const Instant<T, E>& to) const {
-    const auto angle = [&](const Instant<T, E>& at) {
-      return event_.value(std::array{get_lane(at.x[phi1], lane), get_lane(at.x[phi2], lane)});
-    };
-    return angle(to) >= event_.target && angle(from) < event_.target;
+  bool gives_up(std::size_t lane, bool sliding, const Instant<T, E>& from,
+                const Instant<T, E>& to) const {
+    if (event_.of_sling) return passes(last_arm_, lane, from, to);
+    return sliding && passes(event_, lane, from, to);
   }
 
-  /// Whether the step ends the swing of a lane whose projectile still slides; a pin's angle counts
-  /// after the lift-off only.
+  /// Whether a release at an instant of a lane is too late for the arm.
   template <class T, Effects E>
-  bool ends_sliding(std::size_t lane, const Instant<T, E>& from, const Instant<T, E>& to) const {
-    return !event_.of_sling && passes(lane, from, to);
+  bool is_beyond(std::size_t lane, const Instant<T, E>& at) const {
+    return event_.of_sling && get_lane(at.x[phi1], lane) >= last_arm_.target;
   }
 
-  /// Where the angle turns back within a step of the lanes in `mask`, having possibly passed its
+  /// Where the arm turns back within a step of the lanes in `mask`, having possibly passed its
   /// target, makes the turning point the end of the step.
   template <class Stepper, class T, Effects E>
   void end_at_turning_points(LaneMask mask, Stepper& stepper, const Motion<T, E>& motion,
                              const Instant<T, E>& from, Instant<T, E>& to) const {
+    if (event_.of_sling || is_window()) return;
     const T target = event_.target, start = event_.value(from.x);
     const T rate = event_.rate(from.x), end_rate = event_.rate(to.x);
     // An upper bound of the angle within the step.
@@ -103,8 +110,19 @@ class ReleaseRule {
   }
 
  private:
+  /// Whether an angle passes its target in a lane. A start beyond it does not.
+  template <class T, Effects E>
+  static bool passes(const AngleEvent<Number>& event, std::size_t lane, const Instant<T, E>& from,
+                     const Instant<T, E>& to) {
+    const auto angle = [&](const Instant<T, E>& at) {
+      return event.value(std::array{get_lane(at.x[phi1], lane), get_lane(at.x[phi2], lane)});
+    };
+    return angle(to) >= event.target && angle(from) < event.target;
+  }
+
   Release name_;
   AngleEvent<Number> event_;
+  AngleEvent<Number> last_arm_ = last_arm_event<Number>();
   Number window_, max_time_;
 };
 

@@ -28,7 +28,12 @@ struct SwingRecord {
   T peak_axle_load = 0;                                       ///< N
   T peak_stress = 0;                                          ///< Pa
   T peak_hanger_tension = 0;                                  ///< N
-  T loss = 0;                                                 ///< J, by friction and damping
+  T least_hanger_tension = std::numeric_limits<double>::infinity();  ///< N
+  // Smallest heights above the ground, m; that of the projectile when it is not in the trough.
+  T tip_clearance = std::numeric_limits<double>::infinity();
+  T counterweight_clearance = std::numeric_limits<double>::infinity();
+  T projectile_clearance = std::numeric_limits<double>::infinity();
+  T loss = 0;           ///< J, by friction and damping
   T lift_off_time = 0;  ///< s, of a swing that begins in a trough
 };
 
@@ -41,19 +46,26 @@ struct RecordRequest {
       peak_axle_load |= field == Field::peak_axle_load;
       peak_stress |= field == Field::peak_beam_stress;
       peak_hanger_tension |= field == Field::peak_hanger_tension;
+      least_hanger_tension |= field == Field::least_hanger_tension;
+      const bool all = field == Field::ground_clearance;
+      tip_clearance |= all || field == Field::tip_clearance;
+      counterweight_clearance |= all || field == Field::counterweight_clearance;
+      projectile_clearance |= all || field == Field::projectile_clearance;
       lift_off |= field == Field::lift_off_time;
       loss |= field == Field::energy_drift && is_dissipative(scene);
     }
   }
   bool loads() const {
-    return least_tension || peak_tension || peak_axle_load || peak_stress || peak_hanger_tension;
+    return least_tension || peak_tension || peak_axle_load || peak_stress || peak_hanger_tension ||
+           least_hanger_tension || tip_clearance || counterweight_clearance || projectile_clearance;
   }
   /// Whether the record grows with each step.
   bool steps() const { return loads() || loss; }
   bool any() const { return steps() || lift_off; }
 
   bool least_tension = false, peak_tension = false, peak_axle_load = false, peak_stress = false;
-  bool peak_hanger_tension = false;
+  bool peak_hanger_tension = false, least_hanger_tension = false;
+  bool tip_clearance = false, counterweight_clearance = false, projectile_clearance = false;
   bool loss = false, lift_off = false;
 };
 
@@ -98,11 +110,19 @@ template <class T>
     }
     extreme = larger(extreme, value);
   };
-  if (request.least_tension) {
-    T negative = -record.least_tension;
-    extend(negative, [](const Loads<T>& l) { return T(-l.projectile_tension); });
-    record.least_tension = -negative;
-  }
+  const auto extend_least = [&](T& extreme, T Loads<T>::*load) {
+    T negative = -extreme;
+    extend(negative, [&](const Loads<T>& l) { return T(-(l.*load)); });
+    extreme = -negative;
+  };
+  if (request.least_tension) extend_least(record.least_tension, &Loads<T>::projectile_tension);
+  if (request.least_hanger_tension)
+    extend_least(record.least_hanger_tension, &Loads<T>::hanger_tension);
+  if (request.tip_clearance) extend_least(record.tip_clearance, &Loads<T>::tip_height);
+  if (request.counterweight_clearance)
+    extend_least(record.counterweight_clearance, &Loads<T>::counterweight_height);
+  if (request.projectile_clearance)
+    extend_least(record.projectile_clearance, &Loads<T>::projectile_height);
   if (request.peak_tension)
     extend(record.peak_tension, [](const Loads<T>& l) { return l.tip_tension; });
   if (request.peak_axle_load)
@@ -137,12 +157,14 @@ bool integrates_to_peaks(double tolerance) {
   return is_adaptive<Stepper> && tolerance <= 1e-10;
 }
 
-/// A record extended by the loads over a step from `from` to `to`, of length h.
+/// A record extended by the loads over a step from `from` to `to`, of length h. The height of a
+/// projectile in the trough does not count.
 template <class Stepper, class T, Effects E>
-SwingRecord<T> record_loads(SwingRecord<T> record, const RecordRequest& request, Stepper& stepper,
-                            double tolerance, const Motion<T, E>& motion,
+SwingRecord<T> record_loads(const SwingRecord<T>& before, const RecordRequest& request,
+                            Stepper& stepper, double tolerance, const Motion<T, E>& motion,
                             const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
                             const Instant<T, E>& to, const T& h) {
+  SwingRecord<T> record = before;
   const int parts = parts_of_step(stepper, tolerance);
   const T part = T(1.0 / parts) * h;
   Instant<T, E> last = from, next;
@@ -169,6 +191,9 @@ SwingRecord<T> record_loads(SwingRecord<T> record, const RecordRequest& request,
   }
   // Where an event ends the step, its state has been extrapolated, but not its rates.
   extend(exact ? instant(motion, to.t, to.x) : to);
+  if constexpr (E.trough)
+    record.projectile_clearance =
+        select(motion.sliding() > T(0), before.projectile_clearance, record.projectile_clearance);
   return record;
 }
 

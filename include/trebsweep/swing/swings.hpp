@@ -6,9 +6,9 @@
 #include <limits>
 #include <span>
 
-#include "trebsweep/swing/lift_off_queue.hpp"
 #include "trebsweep/swing/release_queue.hpp"
 #include "trebsweep/swing/release_rule.hpp"
+#include "trebsweep/swing/restart_queue.hpp"
 #include "trebsweep/swing/start_queue.hpp"
 
 namespace trebsweep {
@@ -42,7 +42,7 @@ class Swings {
         done_(done),
         observe_(observe),
         starts_(scene, solver),
-        lift_offs_(solver, request_),
+        restarts_(scene, solver, request_),
         releases_(scene, solver, fields, values) {}
 
   /// Integrates all designs. Returns the number of steps of all lanes, idle lanes included.
@@ -50,8 +50,8 @@ class Swings {
     do {
       for (std::size_t lane = 0; lane < lanes; ++lane) refill(lane);
       while (active_ != 0) step();
-      locate_lift_offs();  // of the last swings
-    } while (!lift_offs_.empty());
+      locate_restarts();  // of the last swings
+    } while (!restarts_.empty());
     locate_releases();
     return steps_taken_ * lanes;
   }
@@ -80,7 +80,7 @@ class Swings {
     advance(stepper_, lanes_.motion, from, lanes_.h, to, no_error_estimate);
     LaneMask events = rule_.possible(from, to);
     if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
-    if constexpr (E.trough) events |= lift_offs_.find(lanes_.motion, from, to);
+    if (restarting_) events |= restarts_.find(lanes_.motion, from, to);
     const LaneMask ended = check_events(events, ~LaneMask{0}, from, to);
     if constexpr (observing) {
       if ((ended & 1) == 0) {
@@ -88,7 +88,7 @@ class Swings {
         observe_(from, to);
       }
     }
-    follow(from, to, lanes_.h);
+    follow(active_ & ~ended, from, to, lanes_.h);
     return ended;
   }
 
@@ -104,20 +104,20 @@ class Swings {
     LaneMask events =
         rule_.possible(from, to) | lanes_of((to.t >= max_time_) | (lanes_.h < shortest_step_));
     if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
-    if constexpr (E.trough) events |= lift_offs_.find(lanes_.motion, from, to);
+    if (restarting_) events |= restarts_.find(lanes_.motion, from, to);
     const LaneMask accepted = lanes_of(good);
     const LaneMask ended = check_events(events, accepted, from, to);
     if constexpr (observing)
       if ((accepted & ~ended & 1) != 0) observe_(from, to);
     if ((~accepted & active_) != 0) copy_where<T>(!good, to, from);
-    follow(from, to, step_between(from, to));  // a rejected step adds nothing
+    follow(active_ & ~ended, from, to, step_between(from, to));  // a rejected step adds nothing
     return ended;
   }
 
-  /// Extends the records and the best moments of all lanes by a step, if they are needed; refill()
-  /// resets those of swings that have ended.
-  void follow(const Instant& from, const Instant& to, const T& h) {
-    if (rule_.chooses() && (active_ & ~sliding_lanes()) != 0) search(from, to, h);
+  /// Extends records and searches by a step, if they are needed: those of the lanes in `mask`, or
+  /// of all lanes.
+  void follow(LaneMask mask, const Instant& from, const Instant& to, const T& h) {
+    if (rule_.chooses()) search(mask & ~sliding_lanes(), from, to, h);
     if constexpr (has_fields<T>)
       if (request_.steps()) record(from, to, h);
   }
@@ -128,12 +128,9 @@ class Swings {
                           from, to, h);
   }
 
-  [[gnu::noinline]] void search(const Instant& from, const Instant& to, const T& h) {
+  [[gnu::noinline]] void search(LaneMask mask, const Instant& from, const Instant& to, const T& h) {
     const Mechanism<T, E> mechanism(scene_, lanes_.design);
-    BestMoment<T, E> best = best_;
-    try_step_of_swing(best, solver_.release, parts_to_search<Stepper>, lanes_.motion, mechanism,
-                      from, to, h, record_);
-    copy_where<T>(lanes_.motion.sliding() <= T(0), best_, best);
+    best_.try_step(mask, solver_.release, lanes_.motion, mechanism, from, to, h, record_);
   }
 
   /// Handles possible events, and lanes that have used up their steps. Returns the lanes whose
@@ -153,7 +150,7 @@ class Swings {
     for (LaneMask left = active_; left != 0; left &= left - 1) {
       const std::size_t lane = first_lane(left);
       if (steps(lane) >= step_limit_) mask |= LaneMask{1} << lane;
-      // After a lift-off, fixed steps reach max_time one step later.
+      // After each restart, fixed steps reach max_time one step later.
       const std::uint64_t limit = owner_[lane].first_step + step_limit_;
       next_step_check_ = std::min(next_step_check_, std::max(limit, steps_taken_ + 1));
     }
@@ -169,9 +166,8 @@ class Swings {
     if constexpr (!adaptive) set_times(events, from, to);
     LaneMask ended = 0;
     [[maybe_unused]] const LaneMask turning = events & accepted;
-    if (!rule_.is_window() && !rule_.chooses())
-      rule_.end_at_turning_points(events & accepted & ~sliding_lanes(), stepper_, lanes_.motion,
-                                  from, to);
+    rule_.end_at_turning_points(events & accepted & ~sliding_lanes(), stepper_, lanes_.motion, from,
+                                to);
     for (; events != 0; events &= events - 1) {
       const std::size_t lane = first_lane(events);
       if (has_ended(lane, (accepted >> lane & 1) != 0, from, to)) ended |= LaneMask{1} << lane;
@@ -194,11 +190,12 @@ class Swings {
       const Number t = get_lane(to.t, lane);
       const bool late = t > latest_;
       const bool sliding = (sliding_lanes() >> lane & 1) != 0;
-      if (sliding && lift_offs_.finds(lane) && steps(lane) < solver_.max_steps) {
-        if (late && !lift_offs_.finds_before(max_time_, lane, stepper_, lanes_.motion, from))
+      if (restarting_ && restarts_.finds(lane) && steps(lane) < solver_.max_steps &&
+          (sliding || !late)) {
+        if (late && !restarts_.lifts_off_before(max_time_, lane, stepper_, lanes_.motion, from))
           return end(Status::never_lifted, from);
-        lift_offs_.push(lane, owner_[lane].index, steps(lane), lanes_, record_, from, to);
-        if (lift_offs_.full()) locate_lift_offs();
+        restarts_.push(lane, owner_[lane].index, steps(lane), lanes_, record_, best_, from, to);
+        if (restarts_.full()) locate_restarts();
         return true;
       }
       if (!sliding && rule_.ends(lane, from, to) && !(late && rule_.is_window())) {
@@ -208,7 +205,7 @@ class Swings {
       }
       const Status unreleased = sliding ? Status::never_lifted : Status::not_released;
       if (late) return end(unreleased, from);
-      if (t >= Number(solver_.max_time) || (sliding && rule_.ends_sliding(lane, from, to)))
+      if (t >= Number(solver_.max_time) || rule_.gives_up(lane, sliding, from, to))
         return end(unreleased, to);
     } else if (step_underflows(lane, from)) {
       return end(Status::step_underflow, from);
@@ -223,13 +220,25 @@ class Swings {
     return 0;
   }
 
-  void locate_lift_offs() {
-    if constexpr (E.trough)
-      lift_offs_.locate(
-          stepper_, scene_,
-          [&]([[maybe_unused]] const Instant& from, [[maybe_unused]] const Instant& to) {
-            if constexpr (observing) observe_(from, to);
-          });
+  void locate_restarts() {
+    const auto ends = [&](std::size_t lane, std::uint64_t index, std::uint64_t steps,
+                          const auto& pending, const BestRelease<T, E>& best) {
+      const auto& [state, record, from, to, part, value] = pending;
+      const bool sliding = get_lane(state.motion.sliding(), lane) > Number(0);
+      if (!sliding && rule_.ends(lane, from, to)) {
+        releases_.push(lane, index, steps, state, record, best, from, to);
+        if (releases_.full()) locate_releases();
+        return true;
+      }
+      if (!rule_.gives_up(lane, sliding, from, to)) return false;
+      const Status unreleased = sliding ? Status::never_lifted : Status::not_released;
+      done_(index, outcome_of(unreleased, to, lane, Number(0), steps));
+      return true;
+    };
+    restarts_.locate(stepper_, ends,
+                     [&]([[maybe_unused]] const Instant& from, [[maybe_unused]] const Instant& to) {
+                       if constexpr (observing) observe_(from, to);
+                     });
   }
 
   void locate_releases() {
@@ -279,24 +288,14 @@ class Swings {
     for (; mask != 0; mask &= mask - 1) copy_lane<T>(to, first_lane(mask), turn, first_lane(mask));
   }
 
-  /// Continues a swing after its lift-off in a lane or starts the next design, or leaves the lane
-  /// idle after the last one.
+  /// Continues a swing after an event in a lane or starts the next design, or leaves the lane idle
+  /// after the last one.
   void refill(std::size_t lane) {
     Instant& now = now_[steps_taken_ % 2];
-    if (rule_.chooses()) copy_lane<T>(best_, lane, BestMoment<T, E>{}, 0);
-    bool continued = false;
-    if constexpr (E.trough) {
-      while (!continued && lift_offs_.has_located()) {
-        const auto [index, steps, ended] = lift_offs_.pop(rule_, lane, lanes_, record_, now);
-        if (ended) {  // the angle of release was reached before the lift-off
-          done_(index, outcome_of(Status::never_lifted, now, lane, Number(0), steps));
-          continue;
-        }
-        owner_[lane] = {index, steps_taken_ - steps, steps_taken_, get_lane(now.t, lane)};
-        continued = true;
-      }
-    }
-    if (!continued) {
+    if (restarts_.has_located()) {
+      const auto [index, steps] = restarts_.pop(lane, lanes_, record_, best_, now);
+      owner_[lane] = {index, steps_taken_ - steps, steps_taken_, get_lane(now.t, lane)};
+    } else {
       if (starts_.empty())
         starts_.refill(stepper_, next_, [&](std::uint64_t index, Status status) {
           done_(index, Outcome<Number, E>{status, Number(0), {}, Number(0), 0});
@@ -307,6 +306,7 @@ class Swings {
       }
       owner_[lane] = {starts_.pop(lane, lanes_, now), steps_taken_, steps_taken_, Number(0)};
       if (recording_) copy_lane<T>(record_, lane, SwingRecord<T>(), 0);
+      if (rule_.chooses()) best_.reset(lane);
     }
     next_step_check_ = std::min(next_step_check_, owner_[lane].first_step + step_limit_);
     active_ |= LaneMask{1} << lane;
@@ -326,11 +326,12 @@ class Swings {
   const T shortest_step_ = std::numeric_limits<Number>::epsilon() *
                            std::max<Number>(solver_.max_time, solver_.time_step);
   const ReleaseRule<Number> rule_{solver_};
+  const bool restarting_ = E.trough || rule_.is_of_sling();
   const std::uint64_t step_limit_ = step_limit<adaptive>(solver_);
 
   LaneState<T, E> lanes_{};
   SwingRecord<T> record_{};
-  BestMoment<T, E> best_{};
+  BestRelease<T, E> best_;
   std::array<Instant, 2> now_{};  // the ends of the last step; which is which alternates
   std::array<LaneOwner<Number>, lanes> owner_{};
   LaneMask active_ = 0;
@@ -338,7 +339,7 @@ class Swings {
   std::uint64_t next_step_check_ = std::numeric_limits<std::uint64_t>::max();
 
   StartQueue<Stepper, T, E> starts_;
-  LiftOffQueue<Stepper, T, E> lift_offs_;
+  RestartQueue<Stepper, T, E> restarts_;
   ReleaseQueue<Stepper, T, E> releases_;
 };
 

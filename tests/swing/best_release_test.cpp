@@ -1,4 +1,4 @@
-#include "trebsweep/swing/best_moment.hpp"
+#include "trebsweep/swing/best_release.hpp"
 
 #include <cmath>
 #include <map>
@@ -54,7 +54,7 @@ RandomSwing random_swing(std::mt19937_64& random) {
     s.projectile_diameter = std::cbrt(s.projectile_mass / 1000);
     s.wind = uniform(-10, 10);
   }
-  return {{s, design}, one_in(4) ? uniform(0.8, 2) * std::sqrt(size) : 10};
+  return {{s, design}, one_in(4) ? uniform(0.8, 2) * std::sqrt(size) : 1.5 * std::sqrt(size)};
 }
 
 std::vector<RandomSwing> random_swings(int n) {
@@ -67,21 +67,48 @@ std::vector<RandomSwing> random_swings(int n) {
 /// A time over which the machine moves appreciably, s.
 double time_scale(const Machine& m) { return std::sqrt(m.design.r2 / m.scene.gravity); }
 
-/// The instants of a swing between lift-off and the end of the interval for the best moment; none
-/// without a lift-off.
 template <Effects E>
-std::vector<Instant<double, E>> sample_interval(const RandomSwing& random) {
+double pin_angle(const Instant<double, E>& at) {
+  return at.x[phi1] - at.x[phi2];
+}
+
+/// The instants of a swing after the lift-off at which a pin could release, until phi1 = 3 pi/2 or
+/// max_time: those where phi1 - phi2 falls, is between -pi and pi, and has not fallen through the
+/// same value before. None without a lift-off.
+template <Effects E>
+std::vector<Instant<double, E>> sample_releases(const RandomSwing& random) {
   const Machine& m = random.machine;
-  SampledSwing<E> swing(m.scene, m.design, 5e-4 * time_scale(m));
+  SampledSwing<E> swing(m.scene, m.design, 2e-4 * time_scale(m));
   const auto time_left = [&](const Instant<double, E>& at) { return random.max_time - at.t; };
   if (!swing.slide(time_left, [](const auto&) {})) return {};
-  std::vector<Instant<double, E>> instants{swing.now()};
-  for (bool ended = false; !ended; instants.push_back(swing.now())) {
-    const bool rising = swing.now().x[w1] > 0;
-    ended = swing.step_until([&](const Instant<double, E>& at) {
-      const double end = std::min(1.5 * pi - at.x[phi1], time_left(at));
-      return rising ? std::min(end, at.x[w1]) : end;
+  const auto end = [&](const Instant<double, E>& at) {
+    return std::min(1.5 * pi - at.x[phi1], time_left(at));
+  };
+  std::vector<Instant<double, E>> instants;
+  std::vector<std::pair<double, double>> falls;  // from the first angle down to the second one
+  const auto add = [&] {
+    const double angle = pin_angle(swing.now());
+    falls.back().second = angle;
+    const auto was_fallen_through = [&](const auto& fall) {
+      return &fall != &falls.back() && angle <= fall.first && angle >= fall.second;
+    };
+    if (std::abs(angle) < pi && std::ranges::none_of(falls, was_fallen_through))
+      instants.push_back(swing.now());
+  };
+  const auto rate = [](const Instant<double, E>& at) { return at.x[w1] - at.x[w2]; };
+  const auto& start = swing.now();
+  bool falling = rate(start) < 0 || (rate(start) == 0 && start.dxdt[w1] < start.dxdt[w2]);
+  if (falling) falls.emplace_back(pin_angle(swing.now()), pin_angle(swing.now()));
+  while (end(swing.now()) > 0) {
+    const bool turns = swing.step_until([&](const Instant<double, E>& at) {
+      return std::min(end(at), falling ? -rate(at) : rate(at));
     });
+    if (falling) add();
+    if (!turns || end(swing.now()) <= 0) continue;
+    falling = !falling;
+    if (!falling) continue;
+    falls.emplace_back(pin_angle(swing.now()), pin_angle(swing.now()));
+    add();  // the start of a fall
   }
   return instants;
 }
@@ -90,6 +117,7 @@ std::vector<Instant<double, E>> sample_interval(const RandomSwing& random) {
 /// neighbours; NaN where there is no lift-off.
 struct Largest {
   double value = NAN, parabola = NAN;
+  bool at_turn = false;  ///< of phi1 - phi2, to which a pin's angle can only come close
 };
 
 template <Effects E>
@@ -118,7 +146,11 @@ Largest largest_value(const Machine& m, const std::vector<Instant<double, E>>& i
   const std::size_t stride = scene.projectile_diameter > 0 && rule == Release::farthest ? 32 : 1;
   search(0, n, stride);
   if (stride > 1) search(best - std::min(best, stride), std::min(best + stride, n), 1);
+  const auto& x = instants[best].x;
+  if (std::abs(x[w1] - x[w2]) < 1e-9) return {largest, largest, true};
   if (best == 0 || best + 1 == n) return {largest, largest};
+  const double spacing = instants[best].t - instants[best - 1].t;
+  if (instants[best + 1].t - instants[best].t > 1.5 * spacing) return {largest, largest};
   const double before = value(best - 1), after = value(best + 1), rise = after - before;
   return {largest, largest + rise * rise / (8 * (2 * largest - before - after))};
 }
@@ -147,7 +179,7 @@ TEST_CASE("Releases farthest and fastest have the largest range and speed of a f
   std::map<Release, std::vector<Largest>> all_truths;
   for (const RandomSwing& swing : swings)
     with_effects(swing.machine.scene, [&]<Effects E>() {
-      const auto instants = sample_interval<E>(swing);
+      const auto instants = sample_releases<E>(swing);
       for (const Release rule : {Release::farthest, Release::fastest})
         all_truths[rule].push_back(largest_value<E>(swing.machine, instants, rule));
     });
@@ -155,8 +187,8 @@ TEST_CASE("Releases farthest and fastest have the largest range and speed of a f
     for (const auto& [stepper, setting, error, exceptions] :
          {Case{"vern8", 1e-10, 1e-9, 0}, Case{"dopri5", 1e-10, 3e-9, 0},
           Case{"vern8", 8e-9, 1e-7, 0}, Case{"vern8", 1e-4, 1e-2, 2}, Case{"dopri5", 1e-4, 1e-2, 2},
-          Case{"rk4", 1e-3, 1e-4, 0}}) {
-      int below = 0, above = 0;
+          Case{"rk4", 5e-4, 1e-4, 0}}) {
+      int below = 0, above = 0, missing = 0;
       double worst = 0;
       for (std::size_t i = 0; i < swings.size(); ++i) {
         const Design<double>& design = swings[i].machine.design;
@@ -166,12 +198,14 @@ TEST_CASE("Releases farthest and fastest have the largest range and speed of a f
         const double value = chosen_value(swings[i], solver);
         const double scale = std::max(std::abs(truths[i].value), design.r2);
         INFO(stepper << " at " << setting << ", swing " << i);
-        CHECK(std::isnan(value) == std::isnan(truths[i].value));
-        below += value < truths[i].value - error * scale;
+        missing += std::isnan(value) != std::isnan(truths[i].value);
+        const double margin = truths[i].at_turn ? 5e-6 : 0;
+        below += value < truths[i].value - (error + margin) * scale;
         above += value > truths[i].parabola + (error + 2e-3) * scale;
         worst = std::max(worst, (truths[i].value - value) / scale);
       }
       INFO(stepper << " at " << setting << ", worst " << worst);
+      CHECK(missing <= exceptions);
       CHECK(below <= exceptions);
       CHECK(above <= exceptions);
     }
@@ -180,17 +214,65 @@ TEST_CASE("Releases farthest and fastest have the largest range and speed of a f
 
 namespace {
 
+SwingResult release_by_pin(const RandomSwing& random, double angle, Solver solver,
+                           double* range = nullptr) {
+  solver.release = Release::pin;
+  solver.pin_angle = angle;
+  solver.max_time = random.max_time;
+  SwingResult result;
+  const auto& [scene, design] = random.machine;
+  constexpr std::array fields{Field::range};
+  const std::size_t count = range ? 1 : 0;
+  integrate(scene, solver,
+            {{&design, 1}, {&result, 1}, std::span(fields).first(count), {range, count}});
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("No pin throws farther or faster than the best release, which a pin can make") {
+  for (const RandomSwing& swing : random_swings(40))
+    for (const Release rule : {Release::farthest, Release::fastest}) {
+      Solver solver;
+      solver.release = rule;
+      solver.max_time = swing.max_time;
+      const auto& [scene, design] = swing.machine;
+      constexpr std::array fields{Field::range, Field::pin_angle};
+      std::array<double, 2> values;
+      SwingResult best;
+      integrate(scene, solver, {{&design, 1}, {&best, 1}, fields, values});
+      const bool far = rule == Release::farthest;
+      const double value = far ? values[0] : best.speed;
+      INFO(name_of(best.status) << ", " << release_names[static_cast<std::size_t>(rule)]);
+      for (int i = 0; i < 100; ++i) {
+        double range = 0;
+        const auto pinned = release_by_pin(swing, -pi + 2 * pi * (i + 0.5) / 100, solver, &range);
+        if (!has_speed(pinned.status) || (far && std::isnan(range))) continue;
+        CHECK((far ? range : pinned.speed) <= value + 1e-7 * std::abs(value));
+      }
+      if (!has_speed(best.status)) continue;
+      const auto pinned = release_by_pin(swing, values[1], solver);
+      CHECK(pinned.speed == Approx(best.speed).epsilon(1e-7).margin(1e-8));
+      CHECK(pinned.release_time == Approx(best.release_time).margin(1e-6));
+    }
+}
+
+namespace {
+
 /// The time at which phi1 - phi2 first falls to an angle after the lift-off; NaN if it does not by
-/// max_time.
+/// max_time and before phi1 = 3 pi/2.
 template <Effects E>
 double first_fall(const RandomSwing& random, double angle) {
   const Machine& m = random.machine;
   SampledSwing<E> swing(m.scene, m.design, 2e-3 * time_scale(m));
   if (!swing.slide([&](const auto& at) { return random.max_time - at.t; }, [](const auto&) {}))
     return NAN;
-  while (swing.now().t < random.max_time)
+  const auto goes_on = [&] {
+    return swing.now().t < random.max_time && swing.now().x[phi1] < 1.5 * pi;
+  };
+  while (goes_on())
     if (swing.step_until([&](const auto& at) { return at.x[phi1] - at.x[phi2] - angle; }))
-      return swing.now().t < random.max_time ? swing.now().t : NAN;
+      return goes_on() ? swing.now().t : NAN;
   return NAN;
 }
 
@@ -205,20 +287,10 @@ Minimum first_minimum(const RandomSwing& random) {
   SampledSwing<E> swing(m.scene, m.design, 2e-3 * time_scale(m));
   if (!swing.slide([&](const auto& at) { return random.max_time - at.t; }, [](const auto&) {}))
     return {NAN, NAN};
-  while (swing.now().t < random.max_time)
+  while (swing.now().t < random.max_time && swing.now().x[phi1] < 1.5 * pi)
     if (swing.step_until([](const auto& at) { return at.x[w2] - at.x[w1]; }))
       return {swing.now().t, swing.now().x[phi1] - swing.now().x[phi2]};
   return {NAN, NAN};
-}
-
-SwingResult release_by_pin(const RandomSwing& random, double angle, Solver solver) {
-  solver.release = Release::pin;
-  solver.pin_angle = angle;
-  solver.max_time = random.max_time;
-  SwingResult result;
-  const auto& [scene, design] = random.machine;
-  integrate(scene, solver, {{&design, 1}, {&result, 1}});
-  return result;
 }
 
 }  // namespace

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "trebsweep/base/progress.hpp"
+#include "trebsweep/optimum/design_problem.hpp"
+#include "trebsweep/optimum/local_search.hpp"
+
+namespace trebsweep {
+
+/// A local maximum of the objective, under the constraints.
+struct LocalMaximum {
+  Design<double> design;
+  double value;
+  std::uint64_t starts;  ///< number of searches that reached it
+  bool converged;
+};
+
+/// The end of a search, with up to three variables.
+struct Found {
+  std::array<double, 3> x;
+  double objective, violation;
+  bool converged;
+  std::uint64_t integrated;
+};
+
+/// A search from a design, which adds the number of designs that it integrates to `integrated`.
+using Search = std::function<KktPoint(const Design<double>& start, std::uint64_t& integrated)>;
+
+/// Searches from designs, each on one of the ranks, and returns the feasible ends, best first. Adds
+/// to `integrated`. Collective.
+std::vector<Found> find_maxima(const std::vector<Design<double>>& starts, const Search& search,
+                               ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated);
+
+/// The same by the nominal program of a problem: quick searches, and thorough ones from the best
+/// ends of those that did not converge.
+std::vector<Found> find_maxima(const std::vector<Design<double>>& starts,
+                               const DesignProblem& problem, ProgressStyle style, MPI_Comm comm,
+                               std::uint64_t& integrated);
+
+/// The distinct ones of sorted ends of searches, each with the number of searches that ended there.
+std::vector<LocalMaximum> distinct(const std::vector<Found>& found, const DesignProblem& problem);
+
+}  // namespace trebsweep

@@ -1,0 +1,86 @@
+#include "trebsweep/optimum/maxima.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "trebsweep/base/mpi.hpp"
+
+namespace trebsweep {
+namespace {
+
+std::vector<Found> search_from(const std::vector<Design<double>>& starts, const Search& search,
+                               ProgressStyle style, MPI_Comm comm) {
+  Progress progress(0, starts.size(), style, "searches");
+  const auto ranks = static_cast<std::size_t>(mpi::size(comm));
+  return mpi::share(starts.size(), comm, [&](std::size_t i) {
+    Found found{};
+    const auto [point, multipliers, converged] = search(starts[i], found.integrated);
+    std::ranges::copy(point.x, found.x.begin());
+    found.objective = point.objective;
+    found.violation = point.violation;
+    found.converged = converged;
+    progress.update(std::min(i + ranks, starts.size()));
+    return found;
+  });
+}
+
+/// Orders feasible ends of searches, best first, and removes the others.
+void sort_feasible(std::vector<Found>& found) {
+  std::erase_if(found, [](const Found& f) { return f.violation > feasibility_tolerance; });
+  std::ranges::stable_sort(found, std::greater{}, &Found::objective);
+}
+
+}  // namespace
+
+std::vector<Found> find_maxima(const std::vector<Design<double>>& starts, const Search& search,
+                               ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated) {
+  std::vector<Found> found = search_from(starts, search, style, comm);
+  for (const Found& f : found) integrated += f.integrated;
+  sort_feasible(found);
+  return found;
+}
+
+std::vector<Found> find_maxima(const std::vector<Design<double>>& starts,
+                               const DesignProblem& problem, ProgressStyle style, MPI_Comm comm,
+                               std::uint64_t& integrated) {
+  constexpr std::size_t most = 4;  // thorough searches
+  const auto search_with = [&](Effort effort) {
+    return [&problem, effort](const Design<double>& start, std::uint64_t& count) {
+      return search(nominal_program(problem, count), to_variables(problem, start), effort);
+    };
+  };
+  auto found = find_maxima(starts, search_with(Effort::quick), style, comm, integrated);
+  std::vector<Design<double>> stopped;
+  for (const LocalMaximum& m : distinct(found, problem))
+    if (!m.converged && stopped.size() < most) stopped.push_back(m.design);
+  if (stopped.empty()) return found;
+  std::erase_if(found, [&](const Found& f) {
+    return !f.converged && std::ranges::count(stopped, distinct({f}, problem).front().design) > 0;
+  });
+  const auto more = find_maxima(stopped, search_with(Effort::thorough), style, comm, integrated);
+  found.insert(found.end(), more.begin(), more.end());
+  sort_feasible(found);
+  return found;
+}
+
+std::vector<LocalMaximum> distinct(const std::vector<Found>& found, const DesignProblem& problem) {
+  constexpr double same = 1e-4;  // m
+  const auto n = static_cast<Eigen::Index>(problem.variables.size());
+  std::vector<LocalMaximum> maxima;
+  for (const Found& f : found) {
+    const LocalMaximum m{to_design(problem, Eigen::Map<const Eigen::VectorXd>(f.x.data(), n)),
+                         f.objective * problem.scales.front(), 1, f.converged};
+    const auto is_same = [&](const LocalMaximum& known) {
+      const auto [a, b] = std::pair(known.design, m.design);
+      return std::hypot(a.r1 - b.r1, a.r3 - b.r3, a.r2 - b.r2) < same;
+    };
+    if (const auto known = std::ranges::find_if(maxima, is_same); known != maxima.end())
+      ++known->starts;
+    else
+      maxima.push_back(m);
+  }
+  return maxima;
+}
+
+}  // namespace trebsweep

@@ -1,0 +1,63 @@
+#include "trebsweep/optimum/starts.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "trebsweep/optimum/coarse_sweep.hpp"
+#include "trebsweep/optimum/nonlinear_program.hpp"
+
+namespace trebsweep {
+namespace {
+
+constexpr std::size_t max_starts = 16, max_edge_starts = 4;
+
+/// Adds the best designs of a coarse sweep. Designs that violate the constraints are starts only as
+/// long as there are no others.
+void add_starts(const CoarseSweep& sweep, std::size_t count, Starts& starts) {
+  starts.integrated += sweep.designs;
+  for (std::size_t i = 0; i < sweep.violations.size(); ++i)
+    starts.violations[i] += sweep.violations[i];
+  if (starts.feasible && !sweep.feasible) return;
+  if (sweep.feasible && !starts.feasible) starts.designs.clear();
+  starts.feasible = sweep.feasible;
+  const std::size_t most = sweep.feasible ? count : 2;
+  for (std::size_t i = 0; i < std::min(most, sweep.maxima.size()); ++i)
+    starts.designs.push_back(sweep.maxima[i]);
+}
+
+}  // namespace
+
+Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Comm comm) {
+  const LatticeSpec spec =
+      own_lattice ? job.lattice : coarse_lattice(job.scene, job.lattice, affordable_designs(job));
+  const CoarseSweep coarse = coarse_sweep(job, spec, style, comm);
+  Starts starts{{}, coarse.increment, 0, false, {}};
+  starts.violations.resize(coarse.violations.size());
+  add_starts(coarse, max_starts, starts);
+  if (const auto edge = edge_lattice(job.scene, spec); edge && !own_lattice)
+    add_starts(coarse_sweep(job, *edge, style, comm), max_edge_starts, starts);
+  if (starts.designs.empty())
+    throw NoOptimum(
+        fmt::format("nothing is released: none of {} designs with a spacing of {} m has a release",
+                    starts.integrated, starts.increment));
+  return starts;
+}
+
+void refuse_constraints(const DesignProblem& problem, const Starts& starts) {
+  const Design<double>& closest = starts.designs.front();
+  const auto most = std::ranges::max_element(starts.violations);
+  const Eigen::VectorXd values = values_at(problem, {&closest, 1});
+  std::vector<std::string> violated;
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i)
+    if (!(values(static_cast<Eigen::Index>(i) + 1) <= feasibility_tolerance))
+      violated.push_back(to_text(problem.constraints[i]));
+  throw NoOptimum(fmt::format(
+      "the constraints exclude every design found: {} excludes {} of {} designs; the closest is "
+      "{}, which violates {}",
+      to_text(problem.constraints[static_cast<std::size_t>(most - starts.violations.begin())]),
+      *most, starts.integrated, to_text(closest), fmt::join(violated, " and ")));
+}
+
+}  // namespace trebsweep
