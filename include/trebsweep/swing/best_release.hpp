@@ -75,7 +75,7 @@ template <class T, Effects E>
                                 const SwingRecord<T>& record) {
   using std::abs;
   using std::sqrt;
-  constexpr int parts = parts_of_fall;
+  constexpr std::size_t parts = parts_of_fall;
   const T none = -std::numeric_limits<double>::infinity(), zero(0), one(1);
   const auto& [enter, leave] = part;
   const auto exists = T(enter - leave) > T(4 * angle_margin);
@@ -88,7 +88,7 @@ template <class T, Effects E>
 
   Nodes<T> fractions;
   std::array<Instant<T, E>, parts + 1> at;
-  for (int i = 0; i <= parts; ++i) {
+  for (std::size_t i = 0; i <= parts; ++i) {
     const T s = begin + T(static_cast<double>(i) / parts) * T(end - begin);
     fractions[i] = s;
     if (i == 0 || i == parts) {
@@ -102,7 +102,7 @@ template <class T, Effects E>
   const T highest = enter - T(angle_margin), lowest = leave + T(angle_margin);
   const auto worths = worths_of_fall(rule, mechanism, at, exists, best.worth);
 
-  for (int i = 1; i <= parts; ++i) {
+  for (std::size_t i = 1; i <= parts; ++i) {
     const Worth<T>&last = worths[i - 1], &next = worths[i];
     const auto peaks = (last.slope > zero) & (next.slope <= zero);
     const auto sinks = (last.slope > zero) & (next.clearance < zero);
@@ -196,30 +196,30 @@ Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, double to
   using Number = typename Lanes<T>::Number;
   const double epsilon = static_cast<double>(std::numeric_limits<Number>::epsilon());
   const auto exists = best.worth > T(-std::numeric_limits<double>::infinity());
-  const auto [of_clearance, high, low] = best.root;
-  const auto of_worth = exists & (high > low);
+  const Root<T>& root = best.root;
+  const auto of_worth = exists & (root.high > root.low);
   const bool any_of_worth = any(of_worth);
   // The ends of a part come from interpolation: the root may lie slightly beyond them.
   Bracket<T, E> bracket = best.bracket;
   bracket.low = select(bracket.low > T(0.01), T(bracket.low - T(0.01)), T(0));
   bracket.high = select(bracket.high < T(0.99), T(bracket.high + T(0.01)), T(1));
   const auto falling = [&](const Instant<T, E>& at) {
-    const T distance = select(exists, T(high - pin_angle_of(at.x)), T(0));
+    const T distance = select(exists, T(root.high - pin_angle_of(at.x)), T(0));
     if (!any_of_worth) return distance;
     constexpr double margin = 1e-9;  // m: on the ground, rounding errors would decide
     const auto [value, slope, clearance] =
         worth(rule, mechanism, at, std::max({tolerance, 450 * epsilon, 1e-17}));
-    const T above = select(of_clearance * of_clearance > T(0),
-                           T(of_clearance * T(clearance - T(margin))), slope);
+    const T above = select(root.of_clearance * root.of_clearance > T(0),
+                           T(root.of_clearance * T(clearance - T(margin))), slope);
     return select(of_worth, T(-above), distance);
   };
   const double precision = std::sqrt(epsilon) / 100;
   Instant<T, E> at = root_in(bracket, stepper, motion, falling, precision);
 
   const T angle = pin_angle_of(at.x);
-  const auto outside = of_worth & ((angle > high) | (angle < low));
+  const auto outside = of_worth & ((angle > root.high) | (angle < root.low));
   if (any(outside)) {
-    const T end = select(angle > high, high, low);
+    const T end = select(angle > root.high, root.high, root.low);
     const auto beyond = [&](const Instant<T, E>& instant) {
       return select(outside, T(end - pin_angle_of(instant.x)), T(0));
     };

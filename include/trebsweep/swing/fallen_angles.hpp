@@ -32,7 +32,8 @@ class FallenAngles {
 
   /// Adds a fall from `high` to `low`.
   void add(Number high, Number low) {
-    const auto first = std::ranges::find_if(fallen_, [&](const auto& i) { return i.high >= low; });
+    const auto first = std::find_if(fallen_.begin(), fallen_.end(),
+                                    [&](const auto& i) { return i.high >= low; });
     auto end = first;
     for (; end != fallen_.end() && end->low <= high; ++end) {
       low = std::min(low, end->low);

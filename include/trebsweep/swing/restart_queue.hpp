@@ -177,22 +177,23 @@ class RestartQueue {
   void locate_events(Stepper& stepper) {
     using std::abs;
     auto& [state, record, from, to, part, value] = waiting_.swings;
+    const Motion<T, E>& motion = state.motion;
     const auto epsilon = static_cast<double>(std::numeric_limits<Number>::epsilon());
     const auto rate = [](const Instant<T, E>& at) { return T(at.x[w1] - at.x[w2]); };
     const auto bend = [](const Instant<T, E>& at) { return T(at.dxdt[w1] - at.dxdt[w2]); };
     const T first = select(abs(rate(from)) > T(0), rate(from), bend(from));
     const T sign = select(first < T(0), T(1), T(-1));
-    const auto sliding = state.motion.sliding() > T(0);
+    const auto sliding = motion.sliding() > T(0);
     const auto beyond = [&](const Instant<T, E>& at) {
       const T turned = sign * rate(at);
       if constexpr (!E.trough) return turned;
-      return select(sliding, T(-state.motion.normal_force(at.x, at.directions)), turned);
+      return select(sliding, T(-motion.normal_force(at.x, at.directions)), turned);
     };
     const T h = to.t - from.t, start = beyond(from);
     const T end = select(sliding, value, T(part * h * sign * bend(from) + start));
     const T slope = T(abs(T(end - start)) / part);
     const Bracket<T, E> bracket{from, h, T(0), part, T(-start / slope), slope};
-    to = root_in(bracket, stepper, state.motion, beyond,
+    to = root_in(bracket, stepper, motion, beyond,
                  std::min(std::sqrt(epsilon), 100 * solver_.tolerance));
     // Without a rate, the next step does not turn at its start again.
     const T scale = T(1e3 * epsilon) * T(abs(to.x[w1]) + abs(to.x[w2]));

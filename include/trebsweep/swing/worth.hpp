@@ -62,7 +62,7 @@ Worth<T> worth(Release rule, const Mechanism<T, E>& mechanism, const Instant<T, 
 
 /// The number of parts of a fall that are searched separately for the best moment, which is good
 /// enough to find the part that holds it.
-inline constexpr int parts_of_fall = 4;
+inline constexpr std::size_t parts_of_fall = 4;
 
 /// The ends of the parts.
 template <class T>
