@@ -37,7 +37,7 @@ module=$build/explorer.wasm
 if [[ ! -e $module || -n $(find include analysis/explorer/{build.sh,*.?pp} -newer $module) ]]; then
   # Warnings as in CMakeLists.txt, except that indices of 64 bits may become addresses of 32 bits. No fused
   # multiply-add, as in the other kernels.
-  clang++ --target=wasm32-wasi -std=c++20 -O2 -msimd128 -ffp-contract=off -fno-math-errno -fno-rtti \
+  clang++ --target=wasm32-wasi -std=c++20 -O2 -mllvm -inline-threshold=100 -msimd128 -ffp-contract=off -fno-math-errno -fno-rtti \
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-bitwise-instead-of-logical -Wno-unknown-attributes \
     -Wno-shorten-64-to-32 -Werror -Iinclude -isystem $build/include -c -o $build/explorer.o analysis/explorer/explorer.cpp
   # The stack comes first, so that an overflow is an error instead of overwriting data.

@@ -194,11 +194,11 @@ std::vector<Limit> limits(const DesignProblem& problem) {
                    (c.is_upper ? 1 : -1) * objective / problem.scales[i + 1]});
   }
   if (has_sum(problem))
-    all.push_back({fmt::format("r2 + r3 <= {}", *problem.space.longest_sum), "m",
+    all.push_back({fmt::format("r2 + r3 <= {:.9g}", *problem.space.longest_sum), "m",
                    objective / *problem.space.longest_sum});
   for (const bool upper : {false, true})
     for (const std::size_t d : problem.variables)
-      all.push_back({fmt::format("{} {} {}", length_names[d], upper ? "<=" : ">=",
+      all.push_back({fmt::format("{} {} {:.9g}", length_names[d], upper ? "<=" : ">=",
                                  (upper ? problem.space.upper : problem.space.lower)[d]),
                      "m", (upper ? 1 : -1) * objective / length_scale(problem, d)});
   return all;

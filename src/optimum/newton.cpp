@@ -90,9 +90,18 @@ Step step_with_active_set(const Inequalities& c, const VectorXd& multipliers,
   return step;
 }
 
-bool has_derivatives(const Inequalities& c) {
-  return c.values.allFinite() && c.gradients.allFinite() &&
-         std::ranges::all_of(c.hessians, [](const MatrixXd& h) { return h.allFinite(); });
+/// Whether all inequalities have derivatives, except for those far from being active, of which a
+/// linear model without a slope is made: those of deviations at the edge of what can be released.
+bool has_derivatives(Inequalities& c) {
+  constexpr double far = 1e-3;
+  for (std::size_t f = 0; f < c.hessians.size(); ++f) {
+    const auto row = static_cast<Index>(f);
+    if (c.gradients.row(row).allFinite() && c.hessians[f].allFinite()) continue;
+    if (!(c.values(row) < -far)) return false;
+    c.gradients.row(row).setZero();
+    c.hessians[f].setZero();
+  }
+  return c.values.allFinite();
 }
 
 /// The inequalities that a small change of x may make active.

@@ -97,6 +97,15 @@ std::vector<std::pair<std::string, Sensitivity>> all_sensitivities(const Job& jo
                   deviation));
 }
 
+/// Throws NoOptimum if no design is possible with all lengths off by the deviation.
+void refuse_impossible_deviation(const Job& job) {
+  const double deviation = job.optimum.deviation;
+  const DesignSpace given = design_space(job.scene, job.lattice);
+  const DesignSpace space = robust_space(job.scene, given, deviation);
+  for (std::size_t d = 0; d < 3; ++d)
+    if (space.lower[d] > space.upper[d] || deviation >= space.upper[d]) refuse_deviation(deviation);
+}
+
 bool is_feasible(const DesignProblem& problem, const Design<double>& design) {
   const MatrixXd values = values_at(problem, {&design, 1});
   return values.allFinite() &&
@@ -202,11 +211,8 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
   OptimumOptions options = given;
   // Only rank 0 reports progress, as if the others were as fast.
   if (mpi::rank(comm) != 0) options.progress = ProgressStyle::none;
-  const DesignSpace space = design_space(job.scene, job.lattice);
   const double deviation = job.optimum.deviation;
-  // A length that is off by as much may be zero or negative.
-  if (job.optimum.robust != Robust::no && deviation >= std::ranges::min(space.upper))
-    refuse_deviation(deviation);
+  if (job.optimum.robust != Robust::no) refuse_impossible_deviation(job);
   const Starts starts = find_starts(job, options.own_lattice, options.progress, comm);
   OptimumResult result{};
   result.objective = job.optimum.objective;
@@ -239,6 +245,7 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
     refuse_divergence(job, problem, result);
     take_safe(job, problem, options.progress, comm, result);
   } else {
+    problem.space = robust_space(job.scene, problem.space, deviation);
     const auto search_robust = [&](const Design<double>& start, std::uint64_t& integrated) {
       return robust_search(problem, start, job.optimum.robust, deviation, integrated);
     };

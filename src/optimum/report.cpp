@@ -120,14 +120,35 @@ std::string build_text(const OptimumResult& result) {
   return text;
 }
 
-std::string robustness_text(const OptimumResult& result, double deviation) {
+/// The ends of the job's axes beyond which lengths that are off reach: "r1 < 0.52 m".
+std::vector<std::string> ends_crossed(const OptimumResult& result, const Job& job) {
+  const DesignSpace space = design_space(job.scene, job.lattice);
+  const std::array axes{&job.lattice.r1, &job.lattice.r3, &job.lattice.r2};
+  std::vector<std::string> crossed;
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (!*axes[d] || !(space.lower[d] < space.upper[d])) continue;
+    const double length = lengths(result.design)[d], deviation = job.optimum.deviation;
+    if (length - deviation < space.lower[d])
+      crossed.push_back(fmt::format("{} < {:.9g} m", length_names[d], space.lower[d]));
+    if (length + deviation > space.upper[d])
+      crossed.push_back(fmt::format("{} > {:.9g} m", length_names[d], space.upper[d]));
+  }
+  return crossed;
+}
+
+std::string robustness_text(const OptimumResult& result, const Job& job) {
   if (!result.robustness) return "";
-  const auto [worst, expected] = *result.robustness;
-  const std::string values = std::isnan(worst)
-                                 ? "none, some of these designs have no release"
-                                 : fmt::format("worst {:.9g}, expected {:.9g}{}", worst, expected,
-                                               after_number(unit_of(result)));
-  return fmt::format("deviation  lengths off by up to {} m: {}\n", deviation, values);
+  const auto [worst, expected, unreleased] = *result.robustness;
+  const std::string values =
+      unreleased ? fmt::format("no worst value, {} has no release", to_text(*unreleased))
+                 : fmt::format("worst {:.9g}, expected {:.9g}{}", worst, expected,
+                               after_number(unit_of(result)));
+  std::string text =
+      fmt::format("deviation  lengths off by up to {} m: {}\n", job.optimum.deviation, values);
+  if (const auto crossed = ends_crossed(result, job); !crossed.empty())
+    text +=
+        fmt::format("           some of them are beyond an axis: {}\n", fmt::join(crossed, ", "));
+  return text;
 }
 
 /// How precisely to build.
@@ -195,7 +216,7 @@ std::string to_text(const OptimumResult& result, const Job& job) {
                       result.release_time);
   text += problems_text(result, job) + build_text(result) + limits_text(result, job) +
           precision_text(result);
-  text += robustness_text(result, job.optimum.deviation);
+  text += robustness_text(result, job);
   text += maxima_text(result);
   text += fmt::format("designs    {}", result.designs);
   if (result.coarse_increment > 0)

@@ -20,7 +20,7 @@ Design<double> moved(const Design<double>& design, const std::array<double, 3>& 
 }
 
 /// The deviation within the box at which a row of values_at() is smallest (sign 1) or largest (-1),
-/// and its value there; NaN if a design in the box has none.
+/// and its value there; NaN at one that has none.
 struct Extreme {
   std::array<double, 3> deviation;
   double value;
@@ -47,7 +47,8 @@ Extreme extreme_in_box(const DesignProblem& problem, const Design<double>& centr
     for (Index d = 0, rest = p; d < 3; ++d, rest /= width)
       lattice(d, p) = reach(d) * (2.0 * static_cast<double>(rest % width) / (width - 1) - 1);
   const MatrixXd values = functions(lattice);
-  if (!values.allFinite()) return {{}, nan};
+  for (Index p = 0; p < values.cols(); ++p)
+    if (std::isnan(values(p))) return {deviation_of(lattice.col(p)), nan};
   Index start = 0;
   values.row(0).maxCoeff(&start);
   const Point worst = search(program, lattice.col(start)).point;
@@ -111,8 +112,8 @@ VectorXd summed(const VectorXd& multipliers, Index fields, Index deviations) {
 Robustness robustness(const DesignProblem& problem, const Design<double>& design, double deviation,
                       std::uint64_t& integrated) {
   const double scale = problem.scales.front();
-  const double worst = extreme_in_box(problem, design, deviation, 0, 1, integrated).value;
-  if (std::isnan(worst)) return {nan, nan};
+  const auto [where, worst] = extreme_in_box(problem, design, deviation, 0, 1, integrated);
+  if (std::isnan(worst)) return {nan, nan, moved(design, where)};
   std::vector<Design<double>> designs;
   const std::vector<Deviation> nodes = quadrature(deviation);
   for (const Deviation& node : nodes) designs.push_back(moved(design, node.lengths));
@@ -121,7 +122,16 @@ Robustness robustness(const DesignProblem& problem, const Design<double>& design
   double expected = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     expected += nodes[i].weight * values(0, static_cast<Index>(i));
-  return {worst * scale, expected * scale};
+  return {worst * scale, expected * scale, std::nullopt};
+}
+
+DesignSpace robust_space(const Scene& scene, DesignSpace space, double deviation) {
+  constexpr double inside = 1 + 1e-10;  // the bounds are open
+  const std::array possible{arm_bounds(scene).low, 0.0, 0.0};
+  for (std::size_t d = 0; d < 3; ++d)
+    if (space.lower[d] < space.upper[d])
+      space.lower[d] = std::max(space.lower[d], (possible[d] + deviation) * inside);
+  return space;
 }
 
 KktPoint robust_search(const DesignProblem& problem, const Design<double>& start, Robust robust,

@@ -76,7 +76,8 @@ Job random_job(std::mt19937_64& random, int kind) {
   }
   if (kind % 5 == 1) scene.pivot_viscosity = 10;
   const std::array releases{Release::crossing, Release::farthest, Release::pin, Release::fastest};
-  job.solver.max_time = 1.5;
+  // Longer than the throw; a counterweight that goes on swinging makes rough maps.
+  job.solver.max_time = kind % 4 == 3 ? 1.0 : 1.5;
   job.solver.release = releases[static_cast<std::size_t>(kind / 2) % 4];
   if (job.solver.release == Release::pin) job.solver.pin_angle = uniform(random, 0.3, 0.8);
   if (job.solver.release == Release::crossing) job.solver.release_angle = uniform(random, 2.7, 3.4);
@@ -230,7 +231,6 @@ TEST_CASE("The optimum is never worse than the best of a sweep with a spacing of
   for (int kind = 0; kind < 20; ++kind) {
     Job job = random_job(random, kind);
     job.optimum.buildable = false;  // the sweep is of all designs
-    job.solver.max_time = 1.5;      // s: longer than the throw
     const OptimumResult found = optimum_of(job);
     job.lattice.increment = 0.005;
     if (job.lattice.r1) job.lattice.r1->step = 0.005;

@@ -60,7 +60,7 @@ TEST_CASE("The JSON object has the documented keys, and the values of the result
   CHECK(json["designs"] == 123456);
   CHECK(json["worst"].is_null());
   CHECK(json["one_percent_loss"][1][1].is_null());  // infinite
-  result.robustness = Robustness{25.5, 26.25};
+  result.robustness = Robustness{25.5, 26.25, {}};
   const auto robust = nlohmann::json::parse(to_json(result, Job{}));
   CHECK(robust["worst"] == 25.5);
   CHECK(robust["expected"] == 26.25);
@@ -79,7 +79,7 @@ TEST_CASE("The text has the value, the design, what each limit is worth, and the
         "20.5 m at r1 = 0.6000000, r2 = 0.8000000, r3 = 0.7000000 m", "123456", "0.02 m"})
     CHECK_THAT(text, contains(words));
   CHECK_THAT(text, !contains("worst"));
-  result.robustness = Robustness{25.5, 26.25};
+  result.robustness = Robustness{25.5, 26.25, {}};
   CHECK_THAT(to_text(result, job), contains("off by up to 0.003 m: worst 25.5, expected 26.25 m"));
   result.active.clear();
   CHECK_THAT(to_text(result, job), contains("none is active"));

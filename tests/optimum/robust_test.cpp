@@ -21,7 +21,7 @@ Robustness brute_force(const Job& job, const Design<double>& design, double devi
   for (int n = 0; n < width * width * width; ++n)
     mean += weight(n / width / width) * weight(n / width % width) * weight(n % width) *
             values[static_cast<std::size_t>(n)];
-  return {*std::ranges::min_element(values), mean};
+  return {*std::ranges::min_element(values), mean, {}};
 }
 
 Robustness robustness(const Job& job, const Design<double>& design, double deviation) {
@@ -69,7 +69,8 @@ TEST_CASE("No design nearby has a better worst case or expected value than the o
       const DesignProblem problem = design_problem(job, {0.55, 0.6, 0.85});
       std::uint64_t integrated = 0;
       const auto merit = [&](const Design<double>& design) {
-        const auto [worst, expected] = robustness(problem, design, deviation, integrated);
+        const auto [worst, expected, unreleased] =
+            robustness(problem, design, deviation, integrated);
         return robust == Robust::worst ? worst : expected;
       };
       const auto is_allowed = [&](const Design<double>& design) {

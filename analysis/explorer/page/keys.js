@@ -125,6 +125,7 @@ const otherKeys = Object.entries({
   "optimum.subject-to": { kind: "constraints", names: quantity.names },
   "optimum.deviation": numberIn(physicalOrZero),
   "optimum.robust": oneOf("no", "worst", "expected"),
+  "optimum.buildable": yesNo,
   "optimum.refine": yesNo,
   "assess.scenes": { kind: "paths" },
   "assess.extremes": { kind: "paths" },

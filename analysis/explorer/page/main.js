@@ -315,7 +315,7 @@ function start(ready) {
   showLegend();
   listen();
   const saved = fromFragment(location.hash.slice(1));
-  if (stored.job) presets.add(stored.name, jobText(stored.job, new Map(), {}, stored.design));
+  if (stored.job) presets.add(stored.name, jobText(stored.job, new Map(), stored.design));
   if (stored.job && !saved.isGiven) {
     const { job, design, field, name } = stored;
     update({ job, design, field, origin: name });

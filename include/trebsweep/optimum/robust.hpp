@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "trebsweep/optimum/design_problem.hpp"
 #include "trebsweep/optimum/local_search.hpp"
@@ -12,11 +13,16 @@ namespace trebsweep {
 struct Robustness {
   double worst;     ///< the smallest value
   double expected;  ///< the mean, by Gauss-Legendre quadrature with seven nodes per length
+  std::optional<Design<double>> unreleased;  ///< a design in the box that has no release
 };
 
 /// `deviation` is in metres. Adds the number of designs that it integrates to `integrated`.
 Robustness robustness(const DesignProblem& problem, const Design<double>& design, double deviation,
                       std::uint64_t& integrated);
+
+/// The part of a design space whose designs may be off by a deviation (m) without a length that is
+/// impossible in the scene (47).
+DesignSpace robust_space(const Scene& scene, DesignSpace space, double deviation);
 
 /// The design near `start` with the best worst case or the best expected value, such that all
 /// designs within the deviation satisfy the constraints. Its multipliers are those of the nominal
