@@ -90,6 +90,26 @@ TEST_CASE("The optimum changes by its multipliers as constraints and bounds are 
     }
 }
 
+TEST_CASE("A function without derivatives counts only where it may be active") {
+  // The first solution is at x = 1, where sqrt(1 - x) has no derivative.
+  const auto solved_with = [](double height) {
+    return program_of(
+        [height](const VectorXd& x) {
+          return std::vector{x(0) - x(1) * x(1), std::sqrt(1 - x(0)) + height};
+        },
+        1, 1, {0, -1}, {1, 1});
+  };
+  const auto far = solved_with(-0.5);
+  const KktPoint found = solve_kkt(far, at(far, vector({1, 0.01})));
+  CHECK(found.converged);
+  CHECK(found.point.x(0) == 1);
+  CHECK(std::abs(found.point.x(1)) < 1e-9);
+  CHECK(found.multipliers.head(1)(0) == 0);
+  CHECK(found.multipliers(3) == Approx(1));  // of the upper bound of x
+  const auto active = solved_with(0);
+  CHECK_FALSE(solve_kkt(active, at(active, vector({1, 0.01}))).converged);
+}
+
 TEST_CASE("Newton's method does not converge without values or without a feasible point") {
   const auto no_value =
       program_of([](const VectorXd&) { return std::vector{std::nan("")}; }, 1, 0, {0}, {1});

@@ -81,6 +81,12 @@ TEST_CASE("The text has the value, the design, what each limit is worth, and the
   CHECK_THAT(text, !contains("worst"));
   result.robustness = Robustness{25.5, 26.25, {}};
   CHECK_THAT(to_text(result, job), contains("off by up to 0.003 m: worst 25.5, expected 26.25 m"));
+  CHECK_THAT(to_text(result, job), !contains("beyond an axis"));
+  job.lattice.r1 = AxisRange{0.51, 0.513, 0.001};
+  CHECK_THAT(to_text(result, job), contains("beyond an axis: r1 < 0.51 m, r1 > 0.513 m\n"));
+  result.robustness = Robustness{NAN, NAN, Design<double>{0.5, 0.58, 0.91}};
+  CHECK_THAT(to_text(result, job),
+             contains("no worst value, r1 = 0.5000000, r2 = 0.9100000, r3 = 0.5800000 m has no"));
   result.active.clear();
   CHECK_THAT(to_text(result, job), contains("none is active"));
 }

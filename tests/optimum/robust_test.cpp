@@ -57,6 +57,21 @@ TEST_CASE("There is no robustness where a design in the box has no release") {
   const auto found = robustness(Job{}, {0.505, 0.58, 0.9}, 0.01);  // r1 < h - h0 = 0.5 m
   CHECK(std::isnan(found.worst));
   CHECK(std::isnan(found.expected));
+  REQUIRE(found.unreleased);
+  CHECK(found.unreleased->r1 <= 0.5);
+  CHECK_FALSE(robustness(Job{}, {0.52, 0.58, 0.9}, 0.01).unreleased);
+}
+
+TEST_CASE("A robust search leaves room for the deviation above the bounds of what is possible") {
+  const Job paper, raised = job_with({{"lattice.r1", "0.55:1:0.01"}});
+  const auto space_of = [](const Job& job, double deviation) {
+    return robust_space(job.scene, design_space(job.scene, job.lattice), deviation);
+  };
+  CHECK(space_of(paper, 0.01).lower[0] == Approx(0.51).epsilon(1e-9));  // h - h0 = 0.5 m
+  CHECK(space_of(paper, 0.01).lower[0] > 0.51);
+  CHECK(space_of(paper, 0.01).lower[2] == Approx(0.01).epsilon(1e-9));
+  CHECK(space_of(raised, 0.01).lower[0] == 0.55);
+  CHECK(space_of(job_with({{"lattice.r1", "0.505"}}), 0.01).lower[0] == 0.505);  // is kept
 }
 
 TEST_CASE("No design nearby has a better worst case or expected value than the one found") {
