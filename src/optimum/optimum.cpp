@@ -97,10 +97,12 @@ std::vector<std::pair<std::string, Sensitivity>> all_sensitivities(const Job& jo
                   deviation));
 }
 
-/// Throws NoOptimum if no design is possible with all lengths off by the deviation.
-void refuse_impossible_deviation(const Job& job) {
+/// Throws NoOptimum if no design is possible, in a robust search with all lengths off by the
+/// deviation.
+void refuse_empty_space(const Job& job) {
   const double deviation = job.optimum.deviation;
   const DesignSpace given = design_space(job.scene, job.lattice);
+  if (job.optimum.robust == Robust::no) return;
   const DesignSpace space = robust_space(job.scene, given, deviation);
   for (std::size_t d = 0; d < 3; ++d)
     if (space.lower[d] > space.upper[d] || deviation >= space.upper[d]) refuse_deviation(deviation);
@@ -212,7 +214,7 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
   // Only rank 0 reports progress, as if the others were as fast.
   if (mpi::rank(comm) != 0) options.progress = ProgressStyle::none;
   const double deviation = job.optimum.deviation;
-  if (job.optimum.robust != Robust::no) refuse_impossible_deviation(job);
+  refuse_empty_space(job);
   const Starts starts = find_starts(job, options.own_lattice, options.progress, comm);
   OptimumResult result{};
   result.objective = job.optimum.objective;
