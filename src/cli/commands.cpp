@@ -52,7 +52,7 @@ void run_trace(const CommandLine& line) {
   const auto print = line.flight ? trace_flight : trace;
   const auto [status, problems] = print(job, line.design, line.interval, stdout);
   if (!problems.empty())
-    fmt::print(stderr, "warning: the design cannot be built: {}\n", to_text(problems));
+    print_message(fmt::format("warning: the design cannot be built: {}\n", to_text(problems)));
   if (status == Status::released_below_ground)
     print_message(fmt::format("no flight: {}: {}\n", name_of(status), meaning_of(status)));
   else if (status != Status::released)

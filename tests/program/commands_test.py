@@ -436,6 +436,7 @@ class Streams(CommandTest):
 
     BROKEN = {"closed": "2>&-", "full": "2>/dev/full", "without a reader": "2> >(exec true)"}
     DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
+    UNDERGROUND = ("--r1", "0.51", "--r2", "2", "--r3", "0.58")
 
     def test_no_exit_code_depends_on_stderr(self):
         # Each of them prints messages. The progress bar does so while the archive is open.
@@ -448,6 +449,7 @@ class Streams(CommandTest):
             ("info", "job.h5", "--verify", "--progress", "bar"): 0,
             ("info", "missing.h5"): 2,
             ("trace", self.job, *self.DESIGN, "--solver.max-time", "0.3"): 0,
+            ("trace", self.job, *self.UNDERGROUND): 0,
             ("optimum", self.job, "--progress", "bar"): 0,
             ("optimum", self.job, "--optimum.subject-to", "speed >= 1e6"): 1,
             ("assess", self.job, *Assess.SMALL, "--output.file", "assess.h5"): 0,

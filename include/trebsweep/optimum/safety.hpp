@@ -22,7 +22,7 @@ bool is_safe(const DesignProblem& problem, const Design<double>& design, double 
 
 /// A design that is_safe() and satisfies the constraints, near one that is not safe: the best of
 /// those around it at the smallest distance at which there is one, improved by a pattern search.
-/// Nothing if there is none up to 80 times what is tolerated().
+/// Returns nothing if no such design is found within 80 times what is tolerated().
 std::optional<Design<double>> safe_design_near(const DesignProblem& problem,
                                                const Design<double>& design, double deviation,
                                                std::uint64_t& integrated);

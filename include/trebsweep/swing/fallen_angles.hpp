@@ -20,7 +20,8 @@ class FallenAngles {
 
   void clear() { fallen_ = beyond_half_turns(); }
 
-  /// The highest part of a fall from `high` to `low` that is new; nothing if there is none.
+  /// The highest part of a fall from `high` to `low` that has not been fallen through before, if
+  /// there is one.
   std::optional<Interval> new_part(Number high, const Number& low) const {
     for (auto known = fallen_.rbegin(); known != fallen_.rend() && high > low; ++known) {
       if (known->low >= high) continue;
@@ -32,8 +33,8 @@ class FallenAngles {
 
   /// Adds a fall from `high` to `low`.
   void add(Number high, Number low) {
-    const auto first = std::find_if(fallen_.begin(), fallen_.end(),
-                                    [&](const auto& i) { return i.high >= low; });
+    const auto first =
+        std::find_if(fallen_.begin(), fallen_.end(), [&](const auto& i) { return i.high >= low; });
     auto end = first;
     for (; end != fallen_.end() && end->low <= high; ++end) {
       low = std::min(low, end->low);
