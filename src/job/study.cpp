@@ -30,8 +30,8 @@ std::vector<double> united(const std::vector<Lattice>& lattices, std::size_t axi
     values.insert(values.end(), own.begin(), own.end());
   }
   std::ranges::sort(values);
-  const auto repeated = std::ranges::unique(values);
-  values.erase(repeated.begin(), repeated.end());
+  const auto repeated = std::unique(values.begin(), values.end());
+  values.erase(repeated, values.end());
   return values;
 }
 
