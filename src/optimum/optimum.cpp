@@ -148,7 +148,7 @@ void take_safe(const Job& job, const DesignProblem& problem, ProgressStyle style
   const auto found = find_maxima(maxima, search_safe, style, comm, result.designs);
   if (found.empty())
     throw NoOptimum(fmt::format(
-        "the {} jumps next to every good design found, such as {} with {:.6g}: lengths that are "
+        "the {} or a constraint jumps next to every good design found, such as {} with {:.6g}: lengths that are "
         "off by {} would lose it; choose other axes, release or constraints",
         info(job.optimum.objective).name, to_text(result.design), result.value,
         deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %"));
@@ -245,7 +245,7 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
     derivatives = take_best(problem, search_again, result);
     result.value = result.maxima.front().value;
     refuse_divergence(job, problem, result);
-    take_safe(job, problem, options.progress, comm, result);
+    take_safe(job, full, options.progress, comm, result);
   } else {
     problem.space = robust_space(job.scene, problem.space, deviation);
     const auto search_robust = [&](const Design<double>& start, std::uint64_t& integrated) {

@@ -32,18 +32,22 @@ Lengths scaled(const Lengths& a, const Lengths& by) {
   return {a[0] * by[0], a[1] * by[1], a[2] * by[2]};
 }
 
-Eigen::VectorXd objectives_at(const DesignProblem& problem,
-                              const std::vector<Design<double>>& designs,
-                              std::uint64_t& integrated) {
+MatrixXd counted_values(const DesignProblem& problem, const std::vector<Design<double>>& designs,
+                        std::uint64_t& integrated) {
   integrated += designs.size();
-  return values_at(problem, designs).row(0);
+  return values_at(problem, designs);
 }
 
-/// Whether values differ by a jump, or one of them does not exist.
-bool differ(double a, double b) { return !(std::abs(a - b) <= jump * std::abs(a)); }
+/// Whether the values of a function differ by a jump, or one of them does not exist. A constraint,
+/// any function but the first, jumps only where it becomes violated.
+bool differ(Index function, double a, double b) {
+  if (function == 0) return !(std::abs(a - b) <= jump * std::abs(a));
+  return !(b - std::max(a, 0.0) <= jump);
+}
 
-/// A part of a line on which the objective changes by more than a jump.
+/// A part of a line on which a function changes by more than a jump.
 struct Segment {
+  Index function;
   Lengths towards;
   double low, high;  // fractions
   double at_low, at_high;
@@ -57,10 +61,11 @@ bool any_jumps(const DesignProblem& problem, const Design<double>& design,
     std::vector<Design<double>> middles;
     for (const Segment& s : segments)
       middles.push_back(moved(design, s.towards, (s.low + s.high) / 2));
-    const Eigen::VectorXd values = objectives_at(problem, middles, integrated);
+    const MatrixXd values = counted_values(problem, middles, integrated);
     for (std::size_t i = 0; i < segments.size(); ++i) {
       Segment& s = segments[i];
-      const double middle = (s.low + s.high) / 2, value = values(static_cast<Index>(i));
+      const double middle = (s.low + s.high) / 2;
+      const double value = values(s.function, static_cast<Index>(i));
       // A missing value is beyond any difference.
       const bool below =
           std::isnan(value) ||
@@ -68,7 +73,8 @@ bool any_jumps(const DesignProblem& problem, const Design<double>& design,
       (below ? s.high : s.low) = middle;
       (below ? s.at_high : s.at_low) = value;
     }
-    std::erase_if(segments, [](const Segment& s) { return !differ(s.at_low, s.at_high); });
+    std::erase_if(segments,
+                  [](const Segment& s) { return !differ(s.function, s.at_low, s.at_high); });
   }
   return !segments.empty();
 }
@@ -153,18 +159,19 @@ bool is_safe(const DesignProblem& problem, const Design<double>& design, double 
     for (const Lengths& direction : directions())
       lines.push_back(scaled(scaled(direction, reach), {part, part, part}));
   for (const Lengths& line : lines) designs.push_back(moved(design, line, 1));
-  const Eigen::VectorXd values = objectives_at(problem, designs, integrated);
+  const MatrixXd values = counted_values(problem, designs, integrated);
 
   constexpr double largest_loss = 0.02;
-  const double value = values(0), least = value - largest_loss * std::abs(value);
+  const double value = values(0, 0), least = value - largest_loss * std::abs(value);
   for (Index i = 0; i < steep; ++i)
-    if (!(values(i) > least)) return false;
+    if (!(values(0, i) > least)) return false;
   std::vector<Segment> segments;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const double there = values(steep + static_cast<Index>(i));
-    if (std::isnan(there)) return false;
-    if (differ(value, there)) segments.push_back({lines[i], 0, 1, value, there});
-  }
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    for (Index f = 0; f < values.rows(); ++f) {
+      const double here = values(f, 0), there = values(f, steep + static_cast<Index>(i));
+      if (std::isnan(there)) return false;
+      if (differ(f, here, there)) segments.push_back({f, lines[i], 0, 1, here, there});
+    }
   return !any_jumps(problem, design, segments, integrated);
 }
 

@@ -76,6 +76,8 @@ template <class T, Effects E>
   using std::abs;
   using std::sqrt;
   constexpr std::size_t parts = parts_of_fall;
+  constexpr double tolerance = 1e-8;
+  const T error_of_estimate(0.01);
   const T none = -std::numeric_limits<double>::infinity(), zero(0), one(1);
   const auto& [enter, leave] = part;
   const auto exists = T(enter - leave) > T(4 * angle_margin);
@@ -113,10 +115,22 @@ template <class T, Effects E>
     const T fall = start - select(at_ground, next.clearance, next.slope);
     const T low = fractions[i - 1], length = fractions[i] - low;
     const T there = start / fall, mean = select(sinks, last.slope, T(T(0.5) * last.slope));
-    const T value = larger(T(last.value + length * h * mean * there), next.value);
+    const T peak = larger(T(last.value + length * h * mean * there), next.value);
     const auto holds = exists & (peaks | sinks | rises);
-    improve(best, {select(holds, select(rises, next.value, value), none),
-                   {from, h, low, low + length, low + length * there, abs(T(fall / length))},
+    T value = select(holds, select(rises, next.value, peak), none);
+    T guess = low + length * there;
+    if (any(T(value + error_of_estimate * abs(value)) > best.worth)) {
+      // Where moments are nearly equal, a step of Newton's method decides.
+      const auto closer = worth(rule, mechanism, instant(motion, zero, between(guess)), tolerance);
+      const T rest = length / fall * select(at_ground, closer.clearance, closer.slope);
+      const T gain = select(at_ground, one, T(0.5)) * h * rest * closer.slope;
+      const T root = guess + rest;
+      const auto known = holds & (root >= low) & (root <= T(low + length));
+      value = select(known, T(closer.value + gain), value);
+      guess = select(known, root, guess);
+    }
+    improve(best, {value,
+                   {from, h, low, low + length, guess, abs(T(fall / length))},
                    {select(sinks, one, select(rises, T(-1), zero)), highest, lowest},
                    record});
   }
