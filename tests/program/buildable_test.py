@@ -1,0 +1,101 @@
+"""Random machines: the optimum can be built, and no design of a lattice that can be built is better."""
+
+import json
+import math
+import os
+import unittest
+
+import h5py
+import numpy as np
+
+from support import DirectoryTest
+
+AXES = ("r1", "r3", "r2")
+FIELDS = ("tip-clearance", "counterweight-clearance", "projectile-clearance", "least-sling-tension", "pin-angle")
+POINTS = 21  # of each axis of the lattice
+MACHINES = 30
+CHECKED = int(os.environ.get("TREBSWEEP_MACHINES", "6"))  # the last of them; all take minutes
+
+
+class Machine:
+    """A scene with an arm of about a metre, its axes and its release, all at random; every other one has a hanger
+    and a trough. Attributes: the `text` of its job; its `height`, that of the fulcrum (m); the `weight` of its
+    projectile (N); its `objective`."""
+
+    def __init__(self, random, kind):
+        hinged = kind % 2 == 0
+        self.height = random.uniform(0.7, 1.2)
+        projectile = random.uniform(0.2, 2)
+        self.weight = 9.81 * projectile
+        ratio = random.uniform(30, 130)
+        axes = {"r1": (0.15, 0.5), "r3": (0.6, 1.5), "r2": (0.7, 1.7)}
+        scene = {"gravity": 9.81, "fulcrum-height": self.height, "projectile-mass": projectile,
+                 "counterweight-mass": ratio * projectile, "beam-side": random.uniform(0.02, 0.05),
+                 "beam-density": random.uniform(400, 800), "start-angle": random.uniform(0.5, 1.1)}
+        if hinged:
+            scene |= {"counterweight-hanger": random.uniform(0.1, 0.5), "trough": "yes"}
+        else:
+            axes |= {"r3": (0.3, 0.9 * self.height), "r2": (0.1 * self.height, 0.7 * self.height)}
+        release = ("farthest", "fastest", "pin")[kind // 2 % 3]
+        solver = {"stepper": "vern8", "tolerance": 1e-10, "max-time": 1, "release": release, "check": "no"}
+        if release == "pin":
+            solver["pin-angle"] = random.uniform(0.2, 0.8)
+        lattice = {axis: f"{low!r}:{high!r}:{(high - low) / (POINTS - 1)!r}" for axis, (low, high) in axes.items()}
+        output = {"fields": ", ".join(FIELDS + ("speed", "range"))}
+        optimum = {"objective": "speed" if release == "fastest" else "range"}
+        sections = {"scene": scene, "lattice": lattice, "solver": solver, "output": output, "optimum": optimum}
+        self.objective = optimum["objective"]
+        self.text = "\n".join(f"[{name}]\n" + "\n".join(f"{key} = {value}" for key, value in keys.items())
+                              for name, keys in sections.items())
+
+
+class RandomMachines(DirectoryTest):
+    def setUp(self):
+        random = np.random.default_rng(28)
+        self.machines = [Machine(random, kind) for kind in range(MACHINES)][-CHECKED:]
+        self.job = self.path("job.cfg")
+
+    def optimum(self):
+        """What `optimum` finds; None if no design satisfies the conditions."""
+        done = self.run_program("optimum", self.job, "--json", "--progress", "none", ranks=2, code=None)
+        self.assertIn(done.returncode, (0, 1), done.stderr)
+        return json.loads(done.stdout) if done.returncode == 0 else None
+
+    def assert_can_be_built(self, machine, design):
+        """In the rows of its trace, nothing is below the ground, and the sling pulls."""
+        lengths = [f"--{axis}={design[axis]!r}" for axis in AXES]
+        trace = self.run_program("trace", self.job, *lengths, "--interval", "2e-4").stdout
+        comments = dict(line[2:].split(" = ") for line in trace.splitlines() if line.startswith("# "))
+        rows = np.genfromtxt([line for line in trace.splitlines() if not line.startswith("# ")], names=True)
+        rows = rows[rows["t"] <= float(comments["release-time"]) * (1 + 1e-12)]
+        flies = rows["t"] > float(comments.get("lift-off-time", -1))
+        ground = -machine.height - 1e-6
+        for body, heights in (("tip", rows["yt"]), ("counterweight", rows["y1"]), ("projectile", rows["y3"][flies])):
+            self.assertGreaterEqual(heights.min(), ground, body)
+        self.assertGreaterEqual(rows["tension"].min(), -1e-5 * machine.weight)
+        self.assertLess(abs(rows["phi1"][-1] - rows["phi2"][-1]), math.pi)
+
+    def best_of_lattice(self, machine):
+        """The best design of the lattice that satisfies the same conditions; NaN if there is none."""
+        self.run_program("sweep", self.job, "--overwrite", "--progress", "none", ranks=2)
+        with h5py.File(self.path("job.h5")) as file:
+            maps = {name.replace("_", "-"): data[...] for name, data in file.items() if data.ndim == 3}
+        clearances = np.minimum.reduce([maps[field] for field in FIELDS[:3]])
+        satisfied = (clearances >= 0) & (maps["least-sling-tension"] >= 0) & (np.abs(maps["pin-angle"]) < math.pi)
+        return np.max(maps[machine.objective], where=satisfied, initial=-np.inf)
+
+    def test_the_optimum_can_be_built_and_no_such_design_of_a_lattice_is_better(self):
+        for number, machine in enumerate(self.machines):
+            self.write("job.cfg", machine.text)
+            found, best = self.optimum(), self.best_of_lattice(machine)
+            with self.subTest(number=number, job=machine.text):
+                if found is None:
+                    self.assertEqual(best, -np.inf)
+                    continue
+                self.assert_can_be_built(machine, found)
+                reached = max(found["value"], found["unsafe"]["value"] if found.get("unsafe") else -np.inf)
+                self.assertLessEqual(best, reached + 1e-6 * abs(reached))
+
+
+if __name__ == "__main__":
+    unittest.main()
