@@ -116,12 +116,28 @@ void set_nan(const Mask& lanes, FlightInstant<T, N>& at) {
   for (T& coordinate : at.s) coordinate = select(lanes, nan, coordinate);
 }
 
+/// The zero in [0, 1] of the cubic with the given values and derivatives at 0 and 1, the first value
+/// positive and the second not: three steps of Newton's method from the zero of the chord.
+template <class T>
+T zero_of_cubic(const ValueAndSlope<T>& first, const ValueAndSlope<T>& last) {
+  const T fall = first.value - last.value;
+  const T bend = T(3) * -fall - T(2) * first.slope - last.slope;
+  const T twist = T(2) * fall + first.slope + last.slope;
+  T zero = first.value / fall;
+  for (int i = 0; i < 3; ++i) {
+    const T value = first.value + zero * T(first.slope + zero * T(bend + zero * twist));
+    const T slope = first.slope + zero * T(T(2) * bend + T(3) * zero * twist);
+    zero = zero - value / slope;
+  }
+  return zero;
+}
+
 /// Proceeds to the zero of coordinate i within a step of length h, which changes it by -fall. It is
-/// located as in event_between(): root finding, and then an extrapolation over less than
-/// `precision` of the step. Lanes whose h is zero remain unchanged.
+/// located as in event_between(): root finding from `guess`, a fraction of the step, and then an
+/// extrapolation over less than `precision` of the step. Lanes whose h is zero remain unchanged.
 template <class T, std::size_t N>
 void fly_to_zero(const FlightEquations<T>& equations, std::size_t i, const T& h, const T& fall,
-                 double precision, FlightInstant<T, N>& at) {
+                 const T& guess, double precision, FlightInstant<T, N>& at) {
   const auto moves = h > T(0);
   FlightState<T, N> end;
   T elapsed, rest;
@@ -133,7 +149,7 @@ void fly_to_zero(const FlightEquations<T>& equations, std::size_t i, const T& h,
     rest = -value / slope * h;
     return ValueAndSlope<T>{value, slope};
   };
-  find_root(fallen, T(0), T(1), T(at.s[i] / fall), T(precision));
+  find_root(fallen, T(0), T(1), guess, T(precision));
   const FlightState<T, N> change = equations.rates(end, rest);
   at.time = select(moves, T(at.time + elapsed + rest), at.time);
   for (std::size_t j = 0; j < N; ++j) at.s[j] = select(moves, T(end[j] + change[j]), at.s[j]);
@@ -149,12 +165,17 @@ void fly_until_zero(const Scene& scene, std::size_t i, double tolerance, FlightI
   const FlightEquations<T> equations(scene);
   auto flies = at.s[i] > T(0);
   const T first = T(3 * std::pow(tolerance, 0.125)) * equations.time_scale(at.s);
-  T h = select(flies, first, T(0)), fall = 1;
+  T h = select(flies, first, T(0)), fall = 1, guess = 0;
   for (int n = 0; n < max_flight_steps && any(flies); ++n) {
     const auto [to, error] = advance_flight(equations, at.s, h);
     const auto accepted = flies & (error <= T(tolerance));
     const auto falls = accepted & (to[i] <= T(0)), proceeds = accepted & !falls;
-    fall = select(falls, T(at.s[i] - to[i]), fall);
+    if (any(falls)) {
+      fall = select(falls, T(at.s[i] - to[i]), fall);
+      const T zero = zero_of_cubic<T>({at.s[i], equations.rates(at.s, h)[i]},
+                                      {to[i], equations.rates(to, h)[i]});
+      guess = select(falls, zero, guess);
+    }
     flies = flies & !falls;
     at.time = select(proceeds, T(at.time + h), at.time);
     for (std::size_t j = 0; j < N; ++j) at.s[j] = select(proceeds, to[j], at.s[j]);
@@ -166,7 +187,8 @@ void fly_until_zero(const Scene& scene, std::size_t i, double tolerance, FlightI
     h = select(flies, next, h);
   }
   set_nan(flies, at);
-  fly_to_zero(equations, i, T(select(flies, T(0), h)), fall, 0.1 * std::sqrt(tolerance), at);
+  fly_to_zero(equations, i, T(select(flies, T(0), h)), fall, guess, 0.1 * std::sqrt(tolerance),
+              at);
 }
 
 /// Flies to the apex and then to the ground; returns the height of the apex, m. Both legs end where
