@@ -51,9 +51,14 @@ std::vector<Found> find_maxima(const std::vector<Design<double>>& starts,
     };
   };
   auto found = find_maxima(starts, search_with(Effort::quick), style, comm, integrated);
+  // A search that has stopped far below the best converged one seldom ends above it.
+  constexpr double far = 0.1;
+  const std::vector<LocalMaximum> ends = distinct(found, problem);
+  const auto best = std::ranges::find_if(ends, &LocalMaximum::converged);
+  const double least = best == ends.end() ? -HUGE_VAL : best->value - far * std::abs(best->value);
   std::vector<Design<double>> stopped;
-  for (const LocalMaximum& m : distinct(found, problem))
-    if (!m.converged && stopped.size() < most) stopped.push_back(m.design);
+  for (const LocalMaximum& m : ends)
+    if (!m.converged && m.value > least && stopped.size() < most) stopped.push_back(m.design);
   if (stopped.empty()) return found;
   std::erase_if(found, [&](const Found& f) {
     return !f.converged && std::ranges::count(stopped, distinct({f}, problem).front().design) > 0;
