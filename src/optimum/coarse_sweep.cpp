@@ -138,11 +138,12 @@ std::vector<double> violations_of(const std::vector<Constraint>& constraints, co
 }
 
 /// Sets the violations of designs, in descending order of their objectives, until some of them
-/// satisfy the constraints: a design far below the best of these seldom leads to the optimum. Adds
-/// to `violations` how many designs violate each constraint. Collective.
-void find_violations(const Job& job, std::span<const Design<double>> designs,
-                     RankedValues& values_of, std::vector<Merit>& merit,
-                     std::vector<std::uint64_t>& violations) {
+/// satisfy the constraints: a design far below the best of these seldom leads to the optimum. If
+/// none of the best does, it is enough to check every third of the others. Adds to `violations` how
+/// many designs violate each constraint, and returns how many it checked. Collective.
+std::uint64_t find_violations(const Job& job, std::span<const Design<double>> designs,
+                              RankedValues& values_of, std::vector<Merit>& merit,
+                              std::vector<std::uint64_t>& violations) {
   std::vector<std::size_t> order;
   for (std::size_t n = 0; n < designs.size(); ++n)
     if (std::isfinite(merit[n].objective)) order.push_back(n);
@@ -152,34 +153,58 @@ void find_violations(const Job& job, std::span<const Design<double>> designs,
   const std::vector<Constraint> constraints = constraints_of(job);
   const std::size_t part = std::max<std::size_t>(2048, order.size() / 16);
   std::size_t enough = order.size();
+  bool found = false;
+  std::uint64_t checked = 0;
   for (std::size_t first = 0; first < enough; first += part) {
-    const auto some = std::span(order).subspan(first, std::min(part, order.size() - first));
+    const std::size_t stride = found || first < order.size() / 4 ? 1 : 3;
+    std::vector<std::size_t> some;
     std::vector<Design<double>> chosen;
-    for (const std::size_t n : some) chosen.push_back(designs[n]);
+    for (std::size_t k = first; k < std::min(first + part, order.size()); k += stride) {
+      some.push_back(order[k]);
+      chosen.push_back(designs[order[k]]);
+    }
+    checked += chosen.size();
     const auto worst = violations_of(constraints, job.scene, chosen, values_of, violations);
     for (std::size_t k = 0; k < some.size(); ++k) {
       merit[some[k]].violation = std::isnan(worst[k]) ? HUGE_VAL : worst[k];
-      if (is_feasible(merit[some[k]]))
-        enough = std::min(enough, 2 * (first + k) + order.size() / 4);
+      if (!is_feasible(merit[some[k]])) continue;
+      enough = std::min(enough, 2 * (first + k * stride) + order.size() / 4);
+      found = true;
     }
   }
+  return checked;
 }
 
 }  // namespace
 
-std::uint64_t affordable_designs(const Job& job) {
-  constexpr std::uint64_t sampled = 300, fewest = 8'000, most = 300'000;
-  constexpr double affordable_steps = 4e6;  // a second or two
-  const std::vector<Design<double>> designs =
-      all_designs(Lattice(job.scene, coarse_lattice(job.scene, job.lattice, sampled)));
+CoarsePlan plan_coarse_sweep(const Job& job) {
+  constexpr std::uint64_t sampled = 500, fewest = 6'000, most = 300'000;
+  constexpr double affordable_steps = 3e6;  // a second or two
+  // Few designs with short arms may take most of the steps: the sample is one of a fine lattice.
+  const std::vector<Design<double>> all =
+      all_designs(Lattice(job.scene, coarse_lattice(job.scene, job.lattice, most)));
+  std::vector<Design<double>> designs;
+  for (std::size_t n = 0; n < all.size(); n += all.size() / sampled + 1) designs.push_back(all[n]);
   std::vector<SwingResult> results(designs.size());
-  integrate(job.scene, coarse_solver(job.solver), {designs, results});
+  Solver solver = coarse_solver(job.solver);
+  integrate(job.scene, solver, {designs, results});
+
+  std::vector<double> times;  // of releases
+  for (const SwingResult& result : results)
+    if (has_speed(result.status)) times.push_back(result.release_time);
+  if (!times.empty() && job.optimum.objective != Field::release_time) {
+    constexpr double late = 3;
+    const auto median = times.begin() + std::ssize(times) / 2;
+    std::ranges::nth_element(times, median);
+    solver.max_time = std::min(solver.max_time, late * *median);
+    integrate(job.scene, solver, {designs, results});
+  }
   double steps = 0;
   for (const SwingResult& result : results) steps += static_cast<double>(result.steps);
   const double affordable = affordable_steps * static_cast<double>(designs.size()) / (steps + 1);
-  return affordable > static_cast<double>(most)
-             ? most
-             : std::max(fewest, static_cast<std::uint64_t>(affordable));
+  return {solver.max_time, affordable > static_cast<double>(most)
+                               ? most
+                               : std::max(fewest, static_cast<std::uint64_t>(affordable))};
 }
 
 LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec,
@@ -208,6 +233,7 @@ std::optional<LatticeSpec> edge_lattice(const Scene& scene, const LatticeSpec& c
   if (coarse.r1) return std::nullopt;
   constexpr int parts = 8;  // of the increment
   const double low = arm_bounds(scene).low, step = coarse.increment / parts;
+  if (low <= 0) return std::nullopt;  // without a counterweight's arm, nothing moves
   LatticeSpec edge = coarse;
   edge.r1 = {low + step, low + (parts - 1) * step, step};
   return edge;
@@ -232,6 +258,7 @@ CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, ProgressStyle 
                     .designs = designs.size(),
                     .maxima = {},
                     .feasible = false,
+                    .checked = 0,
                     .violations = std::vector<std::uint64_t>(constraints.size())};
   std::vector<std::size_t> maxima = local_maxima(lattice, merit);
   if (maxima.empty()) return sweep;
@@ -244,7 +271,7 @@ CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, ProgressStyle 
   if (!sweep.feasible) {
     std::ranges::fill(sweep.violations, 0);
     for (Merit& m : merit) m.violation = HUGE_VAL;
-    find_violations(job, designs, values_of, merit, sweep.violations);
+    sweep.checked = find_violations(job, designs, values_of, merit, sweep.violations);
     maxima = local_maxima(lattice, merit);
     sweep.feasible = !maxima.empty() && is_feasible(merit[maxima.front()]);
     if (sweep.feasible)

@@ -70,8 +70,11 @@ Point point_with_values(const NonlinearProgram& program, const VectorXd& x) {
   return point;
 }
 
-/// Newton's solution from a point, unless it fails or leads away.
+/// Newton's solution from a point that violates the constraints little, unless it fails or leads
+/// away.
 std::optional<KktPoint> polished(const NonlinearProgram& program, const Point& near) {
+  constexpr double little = 0.01;
+  if (!(near.violation <= little)) return std::nullopt;
   const KktPoint found = solve_kkt(program, near);
   if (found.converged && !is_clearly_better(near, found.point)) return found;
   return std::nullopt;

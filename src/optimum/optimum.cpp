@@ -147,11 +147,12 @@ void take_safe(const Job& job, const DesignProblem& problem, ProgressStyle style
   };
   const auto found = find_maxima(maxima, search_safe, style, comm, result.designs);
   if (found.empty())
-    throw NoOptimum(fmt::format(
-        "the {} or a constraint jumps next to every good design found, such as {} with {:.6g}: lengths that are "
-        "off by {} would lose it; choose other axes, release or constraints",
-        info(job.optimum.objective).name, to_text(result.design), result.value,
-        deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %"));
+    throw NoOptimum(
+        fmt::format("the {} or a constraint jumps next to every good design found, such as {} with "
+                    "{:.6g}: lengths that are "
+                    "off by {} would lose it; choose other axes, release or constraints",
+                    info(job.optimum.objective).name, to_text(result.design), result.value,
+                    deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %"));
   const LocalMaximum best = distinct({found.front()}, problem).front();
   result.design = best.design;
   result.converged = false;
@@ -229,13 +230,14 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
     return find_maxima(starts.designs, problem, options.progress, comm, result.designs);
   };
   std::vector<Found> found = search_all();
-  if (!is_full && (job.optimum.robust != Robust::no || found.empty() ||
-                   !is_feasible(full, distinct(found, problem).front().design))) {
+  if (!is_full && !found.empty() &&
+      (job.optimum.robust != Robust::no ||
+       !is_feasible(full, distinct(found, problem).front().design))) {
     problem = full;
     found = search_all();
   }
   result.starts = starts.designs.size();
-  if (found.empty()) refuse_constraints(problem, starts);
+  if (found.empty()) refuse_constraints(full, starts);
   result.maxima = distinct(found, problem);
   VectorXd derivatives;
   if (job.optimum.robust == Robust::no) {

@@ -17,6 +17,7 @@ constexpr std::size_t max_starts = 16, max_edge_starts = 4;
 /// long as there are no others.
 void add_starts(const CoarseSweep& sweep, std::size_t count, Starts& starts) {
   starts.integrated += sweep.designs;
+  starts.checked += sweep.checked;
   for (std::size_t i = 0; i < sweep.violations.size(); ++i)
     starts.violations[i] += sweep.violations[i];
   if (starts.feasible && !sweep.feasible) return;
@@ -30,14 +31,17 @@ void add_starts(const CoarseSweep& sweep, std::size_t count, Starts& starts) {
 }  // namespace
 
 Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Comm comm) {
-  const LatticeSpec spec =
-      own_lattice ? job.lattice : coarse_lattice(job.scene, job.lattice, affordable_designs(job));
-  const CoarseSweep coarse = coarse_sweep(job, spec, style, comm);
-  Starts starts{{}, coarse.increment, 0, false, {}};
-  starts.violations.resize(coarse.violations.size());
-  add_starts(coarse, max_starts, starts);
-  if (const auto edge = edge_lattice(job.scene, spec); edge && !own_lattice)
-    add_starts(coarse_sweep(job, *edge, style, comm), max_edge_starts, starts);
+  const CoarsePlan plan = plan_coarse_sweep(job);
+  Job coarse = job;
+  coarse.solver.max_time = plan.max_time;
+  if (!own_lattice) coarse.lattice = coarse_lattice(job.scene, job.lattice, plan.designs);
+  const CoarseSweep sweep = coarse_sweep(coarse, coarse.lattice, style, comm);
+  Starts starts;
+  starts.increment = sweep.increment;
+  starts.violations.resize(sweep.violations.size());
+  add_starts(sweep, max_starts, starts);
+  if (const auto edge = edge_lattice(job.scene, coarse.lattice); edge && !own_lattice)
+    add_starts(coarse_sweep(coarse, *edge, style, comm), max_edge_starts, starts);
   if (starts.designs.empty())
     throw NoOptimum(
         fmt::format("nothing is released: none of {} designs with a spacing of {} m has a release",
@@ -54,10 +58,10 @@ void refuse_constraints(const DesignProblem& problem, const Starts& starts) {
     if (!(values(static_cast<Eigen::Index>(i) + 1) <= feasibility_tolerance))
       violated.push_back(to_text(problem.constraints[i]));
   throw NoOptimum(fmt::format(
-      "the constraints exclude every design found: {} excludes {} of {} designs; the closest is "
+      "the constraints exclude every design found: {} excludes {} of {} checked; the closest is "
       "{}, which violates {}",
       to_text(problem.constraints[static_cast<std::size_t>(most - starts.violations.begin())]),
-      *most, starts.integrated, to_text(closest), fmt::join(violated, " and ")));
+      *most, starts.checked, to_text(closest), fmt::join(violated, " and ")));
 }
 
 }  // namespace trebsweep

@@ -21,12 +21,21 @@ struct CoarseSweep {
   /// none, those that violate them least. Empty if nothing is released.
   std::vector<Design<double>> maxima;
   bool feasible;                          ///< whether the best of them satisfies the constraints
-  std::vector<std::uint64_t> violations;  ///< the number of designs that violate each constraint
+  std::uint64_t checked;                  ///< the number of designs whose constraints were checked
+  std::vector<std::uint64_t> violations;  ///< the number of these that violate each constraint
 };
 
-/// The number of designs that a coarse sweep of a job may have, 8,000 to 300,000: those that take
-/// about four million steps, as measured on some hundred designs.
-std::uint64_t affordable_designs(const Job& job);
+/// How a coarse sweep takes no more than a second or two.
+struct CoarsePlan {
+  double max_time;        ///< s, of a swing
+  std::uint64_t designs;  ///< 6,000 to 300,000
+};
+
+/// Plans a coarse sweep by the swings of about 500 designs of a job: a swing may take three times
+/// as long as the median of those with a release, since later ones are seldom good, unless the
+/// objective is the release time; and the sweep has as many designs as take about three million
+/// steps.
+CoarsePlan plan_coarse_sweep(const Job& job);
 
 /// The lattice of a coarse sweep over a job's design space: with the smallest of a series of round
 /// increments that makes at most `enough_designs` and 200 values of an axis. Explicit axes keep
@@ -35,7 +44,8 @@ LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec,
                            std::uint64_t enough_designs = 300'000);
 
 /// The designs between the lower bound of r1 and the first r1 of a coarse lattice, where the
-/// objective may change within a fraction of the increment; nothing if the axis r1 is explicit.
+/// objective may change within a fraction of the increment; nothing if that bound is zero or the
+/// axis r1 is explicit.
 std::optional<LatticeSpec> edge_lattice(const Scene& scene, const LatticeSpec& coarse);
 
 /// Integrates the designs of a lattice with moderate accuracy on all ranks, which all get the

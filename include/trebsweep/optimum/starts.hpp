@@ -13,14 +13,16 @@ namespace trebsweep {
 /// Designs to search from, best first.
 struct Starts {
   std::vector<Design<double>> designs;
-  double increment;                       ///< m: of the coarse sweep
-  std::uint64_t integrated;               ///< designs
-  bool feasible;                          ///< whether the best satisfies the constraints
-  std::vector<std::uint64_t> violations;  ///< the number of designs that violate each constraint
+  double increment = 0;                   ///< m: of the coarse sweep
+  std::uint64_t integrated = 0;           ///< designs
+  bool feasible = false;                  ///< whether the best satisfies the constraints
+  std::uint64_t checked = 0;              ///< the number of designs whose constraints were checked
+  std::vector<std::uint64_t> violations;  ///< the number of these that violate each constraint
 };
 
-/// The best local maxima of coarse sweeps: of the job's own lattice, or of coarse_lattice() and
-/// edge_lattice(). Throws NoOptimum if nothing is released. Collective.
+/// The best local maxima of coarse sweeps, with the swings of plan_coarse_sweep(): of the job's own
+/// lattice, or of coarse_lattice() and edge_lattice(). Throws NoOptimum if nothing is released.
+/// Collective.
 Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Comm comm);
 
 /// Throws NoOptimum: the constraint that excludes most designs, and the design that comes closest.

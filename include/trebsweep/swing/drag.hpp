@@ -116,8 +116,8 @@ void set_nan(const Mask& lanes, FlightInstant<T, N>& at) {
   for (T& coordinate : at.s) coordinate = select(lanes, nan, coordinate);
 }
 
-/// The zero in [0, 1] of the cubic with the given values and derivatives at 0 and 1, the first value
-/// positive and the second not: three steps of Newton's method from the zero of the chord.
+/// The zero in [0, 1] of the cubic with the given values and derivatives at 0 and 1, the first
+/// value positive and the second not: three steps of Newton's method from the zero of the chord.
 template <class T>
 T zero_of_cubic(const ValueAndSlope<T>& first, const ValueAndSlope<T>& last) {
   const T fall = first.value - last.value;
@@ -187,8 +187,7 @@ void fly_until_zero(const Scene& scene, std::size_t i, double tolerance, FlightI
     h = select(flies, next, h);
   }
   set_nan(flies, at);
-  fly_to_zero(equations, i, T(select(flies, T(0), h)), fall, guess, 0.1 * std::sqrt(tolerance),
-              at);
+  fly_to_zero(equations, i, T(select(flies, T(0), h)), fall, guess, 0.1 * std::sqrt(tolerance), at);
 }
 
 /// Flies to the apex and then to the ground; returns the height of the apex, m. Both legs end where
