@@ -233,7 +233,6 @@ std::optional<LatticeSpec> edge_lattice(const Scene& scene, const LatticeSpec& c
   if (coarse.r1) return std::nullopt;
   constexpr int parts = 8;  // of the increment
   const double low = arm_bounds(scene).low, step = coarse.increment / parts;
-  if (low <= 0) return std::nullopt;  // without a counterweight's arm, nothing moves
   LatticeSpec edge = coarse;
   edge.r1 = {low + step, low + (parts - 1) * step, step};
   return edge;

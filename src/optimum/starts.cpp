@@ -40,7 +40,9 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
   starts.increment = sweep.increment;
   starts.violations.resize(sweep.violations.size());
   add_starts(sweep, max_starts, starts);
-  if (const auto edge = edge_lattice(job.scene, coarse.lattice); edge && !own_lattice)
+  // Next to r1 = 0 swings take long, too long to look only there for designs that are feasible.
+  const bool has_edge = !own_lattice && (sweep.feasible || arm_bounds(job.scene).low > 0);
+  if (const auto edge = edge_lattice(job.scene, coarse.lattice); edge && has_edge)
     add_starts(coarse_sweep(coarse, *edge, style, comm), max_edge_starts, starts);
   if (starts.designs.empty())
     throw NoOptimum(

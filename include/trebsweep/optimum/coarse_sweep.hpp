@@ -44,8 +44,7 @@ LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec,
                            std::uint64_t enough_designs = 300'000);
 
 /// The designs between the lower bound of r1 and the first r1 of a coarse lattice, where the
-/// objective may change within a fraction of the increment; nothing if that bound is zero or the
-/// axis r1 is explicit.
+/// objective may change within a fraction of the increment; nothing if the axis r1 is explicit.
 std::optional<LatticeSpec> edge_lattice(const Scene& scene, const LatticeSpec& coarse);
 
 /// Integrates the designs of a lattice with moderate accuracy on all ranks, which all get the
