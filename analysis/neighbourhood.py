@@ -47,22 +47,16 @@ Constraint = namedtuple("Constraint", "field sign limit")
 Length = namedtuple("Length", "value bounds shorter longer shorter_limit longer_limit")
 
 # What `trebsweep optimum` found for a job {(section, key): value}: its lengths {name: Length}; the
-# worst and the expected value under the deviation, None without one or if designs in it have no
-# release.
-Optimum = namedtuple("Optimum", "job objective value lengths constraints deviation worst expected")
+# job's constraints, and those of a machine that can be built; the worst and the expected value
+# under the deviation, None without one or if designs in it have no release.
+Optimum = namedtuple("Optimum", "job objective value lengths given_constraints build_constraints "
+                     "deviation worst expected")
 
 
-def constraints_of(job):
-    """The constraints of a job."""
-    texts = filter(None, job.get(("optimum", "subject-to"), "").split(","))
-    constraints = [Constraint(field, 1 if relation == "<=" else -1, float(limit))
-                   for field, relation, limit in map(str.split, texts)]
-    if job["output", "optimum"] == "taut":
-        # The tension of an elastic sling is never negative. A slack sling has zero tension.
-        elastic = float(job["scene", "sling-stiffness"]) > 0
-        constraints.append(Constraint("least-sling-tension", -1,
-                                      sys.float_info.min if elastic else 0.0))
-    return constraints
+def read_constraint(text):
+    """The Constraint of a text such as "range >= 80"."""
+    field, relation, limit = text.split()
+    return Constraint(field, 1 if relation == "<=" else -1, float(limit))
 
 
 def read_optimum(result):
@@ -72,8 +66,15 @@ def read_optimum(result):
                                                     for loss in losses), *limits)
                for name, bounds, losses, limits in zip(
                    AXES, result["bounds"], result["one_percent_loss"], result["one_percent_limit"])}
-    return Optimum(job, result["objective"], result["value"], lengths, constraints_of(job),
+    return Optimum(job, result["objective"], result["value"], lengths,
+                   [read_constraint(text) for text in result["constraints"]],
+                   [read_constraint(text) for text in result["build_constraints"]],
                    float(job["optimum", "deviation"]), result["worst"], result["expected"])
+
+
+def all_constraints(optimum):
+    """The constraints that the search had."""
+    return optimum.given_constraints + optimum.build_constraints
 
 
 def is_free(length):
@@ -114,7 +115,7 @@ def sweep(program, job, directory, name):
 
 def sweep_panels(program, optimum):
     """{name: Archive} with the objective and the constrained fields of each panel's designs."""
-    fields = {optimum.objective, *(constraint.field for constraint in optimum.constraints)}
+    fields = {optimum.objective, *(constraint.field for constraint in all_constraints(optimum))}
     job = {**without_sections(accurate_job(optimum.job), "lattice", "output", "optimum"),
            ("solver", "check"): "no", ("output", "fields"): ", ".join(sorted(fields))}
     fixed = {("lattice", name): repr(length.value) for name, length in optimum.lengths.items()}
@@ -245,7 +246,7 @@ def set_heights(panels, optimum, factor):
 def title(name, optimum, archive):
     """The title: the job, the optimum and its constraints."""
     texts = [f"{c.field} {'<=' if c.sign > 0 else '>='} "
-             f"{amount(c.limit, archive.unit(dataset(c.field)))}" for c in optimum.constraints]
+             f"{amount(c.limit, archive.unit(dataset(c.field)))}" for c in optimum.given_constraints]
     text = f"{name}: neighbourhood of the {WORDS[optimum.job['optimum', 'robust']]}, " \
            f"{optimum.objective} {amount(optimum.value, archive.unit(dataset(optimum.objective)))}"
     return f"{text}, subject to {', '.join(texts)}" if texts else text
@@ -262,7 +263,7 @@ def draw(name, optimum, archives):
         draw_panel(panel, archives[length], length, optimum)
     set_heights(panels, optimum, factor)
     for panel, length in zip(panels, PANELS):
-        draw_regions(panel, archives[length], length, optimum.constraints)
+        draw_regions(panel, archives[length], length, all_constraints(optimum))
     panels[0].set_ylabel(wrapped(labelled(archive.long_name(field), unit), 5))
     entries = {text: handle for panel in panels
                for handle, text in zip(*panel.get_legend_handles_labels())}

@@ -237,6 +237,8 @@ std::string to_json(const OptimumResult& result, const Job& job) {
             {"converged", result.converged},
             {"unsafe", Json()},
             {"values", Json::object()},
+            {"constraints", Json::array()},
+            {"build_constraints", Json::array()},
             {"active", Json::array()},
             {"bounds", bounds(design_space(job.scene, job.lattice), result.design)},
             {"gradient", result.gradient},
@@ -260,6 +262,10 @@ std::string to_json(const OptimumResult& result, const Job& job) {
                       {"r3", unsafe->design.r3},
                       {"r2", unsafe->design.r2}};
   for (const auto& [field, value] : result.values) json["values"][info(field).name] = value;
+  for (const Constraint& c : constraints_of(job)) json["constraints"].push_back(to_text(c));
+  const auto searched = searched_job(job).optimum.constraints;
+  for (std::size_t i = job.optimum.constraints.size(); i < searched.size(); ++i)
+    json["build_constraints"].push_back(to_text(searched[i]));
   for (const ActiveLimit& limit : result.active)
     json["active"].push_back({{"constraint", limit.constraint}, {"multiplier", limit.multiplier}});
   for (const Allowance& allowance : result.allowances) {

@@ -94,8 +94,12 @@ Sensitivity sensitivity(const Job& job, const DesignProblem& problem, const std:
     std::array<double, levels> q;
     std::ranges::transform(quotients, q.begin(), [&](const VectorXd& v) { return v(row); });
     const Derivative found = extrapolate(q, one_sided ? 1 : 2);
-    // A difference quotient across a jump grows as its step becomes shorter.
-    const double doubtful = 0.05 * std::abs(found.value) + 1e-6 * std::abs(here(row) / step);
+    // A difference quotient across a jump grows as its step becomes shorter. A field at its limit
+    // may be zero.
+    const auto f = static_cast<std::size_t>(row);
+    const double size =
+        std::max(std::abs(here(row)), f < problem.scales.size() ? problem.scales[f] : 0);
+    const double doubtful = 0.05 * std::abs(found.value) + 1e-6 * size / std::abs(step);
     return found.error <= doubtful ? found.value : std::nan("");
   };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "trebsweep/optimum/coarse_sweep.hpp"
+#include "trebsweep/optimum/field_values.hpp"
 #include "trebsweep/optimum/nonlinear_program.hpp"
 
 namespace trebsweep {
@@ -54,11 +55,15 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
 void refuse_constraints(const DesignProblem& problem, const Starts& starts) {
   const Design<double>& closest = starts.designs.front();
   const auto most = std::ranges::max_element(starts.violations);
-  const Eigen::VectorXd values = values_at(problem, {&closest, 1});
+  const Eigen::VectorXd violations = values_at(problem, {&closest, 1});
+  const Eigen::VectorXd values =
+      field_values(problem.scene, problem.solver, Accuracy::high, {&closest, 1}, problem.fields);
   std::vector<std::string> violated;
-  for (std::size_t i = 0; i < problem.constraints.size(); ++i)
-    if (!(values(static_cast<Eigen::Index>(i) + 1) <= feasibility_tolerance))
-      violated.push_back(to_text(problem.constraints[i]));
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i) + 1;
+    if (!(violations(row) <= feasibility_tolerance))
+      violated.push_back(fmt::format("{} ({:.4g})", to_text(problem.constraints[i]), values(row)));
+  }
   throw NoOptimum(fmt::format(
       "the constraints exclude every design found: {} excludes {} of {} checked; the closest is "
       "{}, which violates {}",

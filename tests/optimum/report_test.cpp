@@ -40,6 +40,8 @@ TEST_CASE("The JSON object has the documented keys, and the values of the result
                           "bounds", "job", "gradient", "hessian", "sensitivity", "worst",
                           "expected", "maxima", "coarse_increment", "designs", "seconds"})
     CHECK(json.contains(key));
+  CHECK(json["constraints"].empty());
+  CHECK(json["build_constraints"][3] == "least-sling-tension >= 0");
   CHECK(json["objective"] == "range");
   CHECK(json["value"] == result.value);  // to the last bit
   CHECK(json["r3"] == 0.58339719);
