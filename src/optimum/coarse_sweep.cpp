@@ -114,6 +114,11 @@ std::vector<std::size_t> local_maxima(const Lattice& lattice, const std::vector<
   return maxima;
 }
 
+bool is_about_release_time(const Job& job) {
+  return job.optimum.objective == Field::release_time ||
+         std::ranges::count(job.optimum.constraints, Field::release_time, &Constraint::field) > 0;
+}
+
 bool is_feasible(const Merit& merit) { return merit.violation <= feasibility_tolerance; }
 
 /// The violations of designs, each relative to the scale_of() the constraint; NaN without a
@@ -138,8 +143,8 @@ std::vector<double> violations_of(const std::vector<Constraint>& constraints, co
 }
 
 /// Sets the violations of designs, in descending order of their objectives, until some of them
-/// satisfy the constraints: a design far below the best of these seldom leads to the optimum. If
-/// none of the best does, it is enough to check every third of the others. Adds to `violations` how
+/// satisfy the constraints: a design far below the best of these seldom leads to the optimum. Until
+/// then, every third design below the best quarter is checked. Adds to `violations` how
 /// many designs violate each constraint, and returns how many it checked. Collective.
 std::uint64_t find_violations(const Job& job, std::span<const Design<double>> designs,
                               RankedValues& values_of, std::vector<Merit>& merit,
@@ -181,10 +186,8 @@ CoarsePlan plan_coarse_sweep(const Job& job) {
   constexpr std::uint64_t sampled = 500, fewest = 6'000, most = 300'000;
   constexpr double affordable_steps = 3e6;  // a second or two
   // Few designs with short arms may take most of the steps: the sample is one of a fine lattice.
-  const std::vector<Design<double>> all =
-      all_designs(Lattice(job.scene, coarse_lattice(job.scene, job.lattice, most)));
-  std::vector<Design<double>> designs;
-  for (std::size_t n = 0; n < all.size(); n += all.size() / sampled + 1) designs.push_back(all[n]);
+  const std::vector<Design<double>> designs =
+      sample(Lattice(job.scene, coarse_lattice(job.scene, job.lattice, most)), sampled);
   std::vector<SwingResult> results(designs.size());
   Solver solver = coarse_solver(job.solver);
   integrate(job.scene, solver, {designs, results});
@@ -192,7 +195,7 @@ CoarsePlan plan_coarse_sweep(const Job& job) {
   std::vector<double> times;  // of releases
   for (const SwingResult& result : results)
     if (has_speed(result.status)) times.push_back(result.release_time);
-  if (!times.empty() && job.optimum.objective != Field::release_time) {
+  if (!times.empty() && !is_about_release_time(job)) {
     constexpr double late = 3;
     const auto median = times.begin() + std::ssize(times) / 2;
     std::ranges::nth_element(times, median);

@@ -111,7 +111,7 @@ void refuse_empty_space(const Job& job) {
 bool is_feasible(const DesignProblem& problem, const Design<double>& design) {
   const MatrixXd values = values_at(problem, {&design, 1});
   return values.allFinite() &&
-         values.bottomRows(values.rows() - 1).maxCoeff() <= feasibility_tolerance;
+         (values.bottomRows(values.rows() - 1).array() <= feasibility_tolerance).all();
 }
 
 /// Takes the best of the local maxima. A last search gives its multipliers, and the derivatives of
@@ -132,13 +132,16 @@ void take_safe(const Job& job, const DesignProblem& problem, ProgressStyle style
                OptimumResult& result) {
   constexpr std::size_t most = 12;  // maxima to search around
   const double deviation = job.optimum.deviation;
-  if (is_safe(problem, result.design, deviation, result.designs)) return;
+  const auto is_good = [&](const Design<double>& design, std::uint64_t& integrated) {
+    return is_feasible(problem, design) && is_safe(problem, design, deviation, integrated);
+  };
+  if (is_good(result.design, result.designs)) return;
   result.unsafe = {result.design, result.value};
   std::vector<Design<double>> maxima;
   for (const LocalMaximum& m : result.maxima)
     if (maxima.size() < most) maxima.push_back(m.design);
   const auto search_safe = [&](const Design<double>& start, std::uint64_t& integrated) {
-    const auto safe = is_safe(problem, start, deviation, integrated)
+    const auto safe = is_good(start, integrated)
                           ? std::optional(start)
                           : safe_design_near(problem, start, deviation, integrated);
     if (!safe) return KktPoint{{VectorXd::Zero(0), 0, HUGE_VAL}, {}, false};

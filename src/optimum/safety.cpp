@@ -12,7 +12,7 @@ using Eigen::MatrixXd;
 using Lengths = std::array<double, 3>;
 
 constexpr double default_deviation = 1e-3;  // relative
-constexpr double jump = 1e-3;               // relative to the value
+constexpr double jump = 1e-3;               // relative to the value, or a constraint's scale
 
 Design<double> moved(const Design<double>& design, const Lengths& by, double part) {
   return {design.r1 + part * by[0], design.r3 + part * by[1], design.r2 + part * by[2]};
@@ -32,17 +32,20 @@ Lengths scaled(const Lengths& a, const Lengths& by) {
   return {a[0] * by[0], a[1] * by[1], a[2] * by[2]};
 }
 
+/// The objective and the violations of the constraints, a column per design.
 MatrixXd counted_values(const DesignProblem& problem, const std::vector<Design<double>>& designs,
                         std::uint64_t& integrated) {
   integrated += designs.size();
-  return values_at(problem, designs);
+  MatrixXd values = values_at(problem, designs);
+  auto constraints = values.bottomRows(values.rows() - 1);
+  constraints = constraints.unaryExpr([](double v) { return v < 0 ? 0 : v; });  // NaN stays
+  return values;
 }
 
 /// Whether the values of a function differ by a jump, or one of them does not exist. A constraint,
 /// any function but the first, jumps only where it becomes violated.
 bool differ(Index function, double a, double b) {
-  if (function == 0) return !(std::abs(a - b) <= jump * std::abs(a));
-  return !(b - std::max(a, 0.0) <= jump);
+  return function == 0 ? !(std::abs(a - b) <= jump * std::abs(a)) : !(b - a <= jump);
 }
 
 /// A part of a line on which a function changes by more than a jump.

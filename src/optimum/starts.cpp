@@ -62,8 +62,12 @@ void refuse_constraints(const DesignProblem& problem, const Starts& starts) {
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i) + 1;
     if (!(violations(row) <= feasibility_tolerance))
-      violated.push_back(fmt::format("{} ({:.4g})", to_text(problem.constraints[i]), values(row)));
+      violated.push_back(fmt::format("{} ({:.9g})", to_text(problem.constraints[i]), values(row)));
   }
+  if (violated.empty() || starts.checked == 0)
+    throw NoOptimum(fmt::format("no search from {} designs ends at one that is released{}{}",
+                                starts.designs.size(), violated.empty() ? "" : " and satisfies ",
+                                fmt::join(violated, " and ")));
   throw NoOptimum(fmt::format(
       "the constraints exclude every design found: {} excludes {} of {} checked; the closest is "
       "{}, which violates {}",

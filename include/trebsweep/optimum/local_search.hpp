@@ -12,8 +12,8 @@ enum class Effort { quick, thorough };
 /// The local optimum that a search from x reaches. MMA comes close to it and Newton's method makes
 /// it exact. The best point of a small lattice around it must not be better; otherwise the search
 /// continues from there. Without a feasible point, the one with the smallest violation. Not
-/// converged where Newton's method fails, because functions have a kink or no value next to the
-/// optimum; its multipliers are then zero.
+/// converged where the constraints are violated, or where Newton's method fails, because functions
+/// have a kink or no value next to the optimum; its multipliers are then zero.
 KktPoint search(const NonlinearProgram& program, const Eigen::VectorXd& x,
                 Effort effort = Effort::thorough);
 

@@ -38,7 +38,7 @@ std::vector<Found> find_maxima(const std::vector<Design<double>>& starts, const 
                                ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated);
 
 /// The same by the nominal program of a problem: quick searches, and thorough ones from the best
-/// ends of those that did not converge.
+/// ends of those that did not converge, unless they are far below the best of those that did.
 std::vector<Found> find_maxima(const std::vector<Design<double>>& starts,
                                const DesignProblem& problem, ProgressStyle style, MPI_Comm comm,
                                std::uint64_t& integrated);

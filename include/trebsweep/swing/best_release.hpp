@@ -119,14 +119,17 @@ template <class T, Effects E>
     const auto holds = exists & (peaks | sinks | rises);
     T value = select(holds, select(rises, next.value, peak), none);
     T guess = low + length * there;
-    if (any(T(value + error_of_estimate * abs(value)) > best.worth)) {
-      // Where moments are nearly equal, a step of Newton's method decides.
-      const auto closer = worth(rule, mechanism, instant(motion, zero, between(guess)), tolerance);
+    const auto may_win = holds & (T(value + error_of_estimate * abs(value)) > best.worth);
+    if (any(may_win)) {
+      // Estimates would not tell which of nearly equal moments is better: a step of Newton's
+      // method.
+      const T near = select(may_win, guess, low);
+      const auto closer = worth(rule, mechanism, instant(motion, zero, between(near)), tolerance);
       const T rest = length / fall * select(at_ground, closer.clearance, closer.slope);
       const T gain = select(at_ground, one, T(0.5)) * h * rest * closer.slope;
-      const T root = guess + rest;
-      const auto known = holds & (root >= low) & (root <= T(low + length));
-      value = select(known, T(closer.value + gain), value);
+      const T root = near + rest, better = closer.value + gain;  // NaN below the ground
+      const auto known = may_win & (root >= low) & (root <= T(low + length)) & (better > none);
+      value = select(known, better, value);
       guess = select(known, root, guess);
     }
     improve(best, {value,

@@ -116,8 +116,9 @@ void set_nan(const Mask& lanes, FlightInstant<T, N>& at) {
   for (T& coordinate : at.s) coordinate = select(lanes, nan, coordinate);
 }
 
-/// The zero in [0, 1] of the cubic with the given values and derivatives at 0 and 1, the first
-/// value positive and the second not: three steps of Newton's method from the zero of the chord.
+/// An estimate of the zero in [0, 1] of the cubic with the given values and derivatives at 0 and 1,
+/// the first value positive and the second not: three steps of Newton's method from the zero of the
+/// chord.
 template <class T>
 T zero_of_cubic(const ValueAndSlope<T>& first, const ValueAndSlope<T>& last) {
   const T fall = first.value - last.value;
