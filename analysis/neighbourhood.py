@@ -150,7 +150,8 @@ def draw_regions(axes, archive, name, constraints):
     for constraint, colour in zip(constraints, COLOURS * len(constraints)):
         field = dataset(constraint.field)
         x = archive.axes[name]
-        excess = constraint.sign * (archive.read(field).ravel() - constraint.limit)
+        rounding = 1e-9 * max(1, abs(constraint.limit))
+        excess = constraint.sign * (archive.read(field).ravel() - constraint.limit) - rounding
         if (excess > 0).any():
             x, excess = with_zeros(x, excess)
             axes.fill_between(x, 0, 1, where=excess >= 0, transform=axes.get_xaxis_transform(),
