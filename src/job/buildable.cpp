@@ -26,8 +26,8 @@ std::vector<BuildProblem> build_problems(const Scene& scene, const BuildValues& 
   check_height("the projectile", values.projectile_clearance);
 
   // So little of the weight counts as zero, such as the tension of a horizontal sling at rest, or
-  // one at a limit that a search has reached, with lengths rounded as they are printed.
-  constexpr double rounding = 1e-3;
+  // one at a limit that a search has reached.
+  constexpr double rounding = 1e-6;
   const double sling = values.least_sling_tension, hanger = values.least_hanger_tension;
   if (scene.sling_stiffness > 0) {
     if (sling <= 0) add(BuildFault::slack_sling, "the sling goes slack");

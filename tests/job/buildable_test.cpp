@@ -72,8 +72,8 @@ TEST_CASE("Heights count from one micrometre, tensions from a millionth of the w
   CHECK(faults(scene, {0, 0, -1.1e-6, 0, 0}) == std::vector{below_ground});
   CHECK(faults(scene, {0, 0, 0, -1.1e-6, 0}) == std::vector{below_ground});
   CHECK(faults(scene, {0, 0, 0, 0, -1.1e-6}) == std::vector{below_ground});
-  CHECK(faults(scene, {-1.1e-3 * weight, 0, 0, 0, 0}) == std::vector{slack_sling});
-  CHECK(faults(scene, {0, -1.1e-3 * heavy, 0, 0, 0}) == std::vector{compressed_hanger});
+  CHECK(faults(scene, {-1.1e-6 * weight, 0, 0, 0, 0}) == std::vector{slack_sling});
+  CHECK(faults(scene, {0, -1.1e-6 * heavy, 0, 0, 0}) == std::vector{compressed_hanger});
 }
 
 TEST_CASE("An elastic sling goes slack where its tension is zero") {
