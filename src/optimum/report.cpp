@@ -64,9 +64,8 @@ std::string unsafe_text(const OptimumResult& result, const Job& job) {
   const auto& [design, value] = *result.unsafe;
   const double deviation = job.optimum.deviation;
   return fmt::format(
-      "           the best design found that tolerates lengths off by up to {}: the {} jumps or "
-      "falls\n"
-      "           steeply, or a constraint jumps, next to {:.9g}{} at {}\n",
+      "           the best design found that tolerates lengths off by up to {}:\n"
+      "           the {} jumps or falls steeply, or a constraint jumps, next to {:.9g}{} at {}\n",
       deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %", info(result.objective).name, value,
       after_number(unit_of(result)), to_text(design));
 }

@@ -41,7 +41,7 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
   starts.increment = sweep.increment;
   starts.violations.resize(sweep.violations.size());
   add_starts(sweep, max_starts, starts);
-  // Next to r1 = 0 swings take long, too long to look only there for designs that are feasible.
+  // Swings next to r1 = 0 take long: too long to search for a first feasible design there.
   const bool has_edge = !own_lattice && (sweep.feasible || arm_bounds(job.scene).low > 0);
   if (const auto edge = edge_lattice(job.scene, coarse.lattice); edge && has_edge)
     add_starts(coarse_sweep(coarse, *edge, style, comm), max_edge_starts, starts);
@@ -55,14 +55,14 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
 void refuse_constraints(const DesignProblem& problem, const Starts& starts) {
   const Design<double>& closest = starts.designs.front();
   const auto most = std::ranges::max_element(starts.violations);
-  const Eigen::VectorXd violations = values_at(problem, {&closest, 1});
   const Eigen::VectorXd values =
       field_values(problem.scene, problem.solver, Accuracy::high, {&closest, 1}, problem.fields);
   std::vector<std::string> violated;
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i) + 1;
-    if (!(violations(row) <= feasibility_tolerance))
-      violated.push_back(fmt::format("{} ({:.9g})", to_text(problem.constraints[i]), values(row)));
+    const Constraint& constraint = problem.constraints[i];
+    const double value = values(static_cast<Eigen::Index>(i) + 1);
+    if (!(violation(constraint, value) / problem.scales[i + 1] <= feasibility_tolerance))
+      violated.push_back(fmt::format("{} ({:.9g})", to_text(constraint), value));
   }
   if (violated.empty() || starts.checked == 0)
     throw NoOptimum(fmt::format("no search from {} designs ends at one that is released{}{}",

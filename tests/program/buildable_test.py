@@ -79,7 +79,7 @@ class RandomMachines(DirectoryTest):
         self.assertLess(abs(rows["phi1"][-1] - rows["phi2"][-1]), math.pi)
 
     def best_of_lattice(self, machine):
-        """The best design of the lattice that satisfies the same conditions; -inf if there is none."""
+        """The largest objective of the lattice's designs that satisfy the same conditions, or -inf without one."""
         self.run_program("sweep", self.job, "--overwrite", "--progress", "none", ranks=2)
         with h5py.File(self.path("job.h5")) as file:
             maps = {name.replace("_", "-"): data[...] for name, data in file.items() if data.ndim == 3}
