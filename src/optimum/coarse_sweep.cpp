@@ -183,8 +183,8 @@ std::uint64_t find_violations(const Job& job, std::span<const Design<double>> de
 }  // namespace
 
 CoarsePlan plan_coarse_sweep(const Job& job) {
-  constexpr std::uint64_t sampled = 500, fewest = 6'000, most = 300'000;
-  constexpr double affordable_steps = 3e6;  // a second or two
+  constexpr std::uint64_t sampled = 500, fewest = 4'000, most = 300'000;
+  constexpr double affordable_steps = 1e6;  // a second or two
   // Few designs with short arms may take most of the steps: the sample is one of a fine lattice.
   const std::vector<Design<double>> designs =
       sample(Lattice(job.scene, coarse_lattice(job.scene, job.lattice, most)), sampled);

@@ -28,13 +28,13 @@ struct CoarseSweep {
 /// Limits that keep a coarse sweep to about a second or two.
 struct CoarsePlan {
   double max_time;        ///< s, of a swing
-  std::uint64_t designs;  ///< 6,000 to 300,000
+  std::uint64_t designs;  ///< 4,000 to 300,000
 };
 
 /// Plans a coarse sweep by the swings of about 500 designs of a job: a swing may take three times
 /// as long as the median of those with a release, since later ones are seldom good, unless the
 /// objective or a constraint is about the release time; and the sweep has as many designs as take
-/// about three million steps.
+/// about a million steps.
 CoarsePlan plan_coarse_sweep(const Job& job);
 
 /// The lattice of a coarse sweep over a job's design space: with the smallest of a series of round
