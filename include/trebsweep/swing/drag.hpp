@@ -160,24 +160,28 @@ void fly_to_zero(const FlightEquations<T>& equations, std::size_t i, const T& h,
 inline constexpr int max_flight_steps = 10'000;
 
 /// Integrates until coordinate i, which has only one zero, has fallen to it. Lanes in which it is
-/// not positive remain unchanged; those that reach the limit of steps become NaN.
+/// not positive remain unchanged; those that reach the limit of steps become NaN. With derivatives
+/// (N = 8), the apex, where coordinate 3 is zero, may be passed by the last step.
 template <class T, std::size_t N>
 void fly_until_zero(const Scene& scene, std::size_t i, double tolerance, FlightInstant<T, N>& at) {
   const FlightEquations<T> equations(scene);
   auto flies = at.s[i] > T(0);
   const T first = T(3 * std::pow(tolerance, 0.125)) * equations.time_scale(at.s);
   T h = select(flies, first, T(0)), fall = 1, guess = 0;
+  // Only the height of the apex needs its location. A step must not reach the ground as well.
+  const T passing_height = N == 8 ? 0 : std::numeric_limits<double>::infinity();
   for (int n = 0; n < max_flight_steps && any(flies); ++n) {
     const auto [to, error] = advance_flight(equations, at.s, h);
     const auto accepted = flies & (error <= T(tolerance));
-    const auto falls = accepted & (to[i] <= T(0)), proceeds = accepted & !falls;
+    const auto passes = accepted & (to[i] <= T(0)) & (to[1] > passing_height);
+    const auto falls = accepted & (to[i] <= T(0)) & !passes, proceeds = accepted & !falls;
     if (any(falls)) {
       fall = select(falls, T(at.s[i] - to[i]), fall);
       const T zero = zero_of_cubic<T>({at.s[i], equations.rates(at.s, h)[i]},
                                       {to[i], equations.rates(to, h)[i]});
       guess = select(falls, zero, guess);
     }
-    flies = flies & !falls;
+    flies = flies & !falls & !passes;
     at.time = select(proceeds, T(at.time + h), at.time);
     for (std::size_t j = 0; j < N; ++j) at.s[j] = select(proceeds, to[j], at.s[j]);
     T next = h * step_factor(ErrorRatio<T>{error, T(tolerance)}, 7);
@@ -185,10 +189,11 @@ void fly_until_zero(const Scene& scene, std::size_t i, double tolerance, FlightI
       const T limit = T(0.5) * equations.time_scale(at.s);
       next = select(next < limit, next, limit);
     }
-    h = select(flies, next, h);
+    h = select(flies, next, select(passes, T(0), h));
   }
   set_nan(flies, at);
-  fly_to_zero(equations, i, T(select(flies, T(0), h)), fall, guess, 0.1 * std::sqrt(tolerance), at);
+  h = select(flies, T(0), h);
+  if (any(h > T(0))) fly_to_zero(equations, i, h, fall, guess, 0.1 * std::sqrt(tolerance), at);
 }
 
 /// Flies to the apex and then to the ground; returns the height of the apex, m. Both legs end where
