@@ -323,16 +323,17 @@ class Archive:
     @property
     def objective(self):
         """The name of the field that is largest at the optimum, and its unit."""
-        # Archives before format version 6 lack these attributes.
-        return (str(self.attributes.get("objective", "speed")),
-                unit_text(str(self.attributes.get("objective_units", "m s-1"))))
+        with reading(self.path, "is damaged"):
+            return (str(self.attributes["objective"]),
+                    unit_text(str(self.attributes["objective_units"])))
 
     @property
     def refined(self):
         """Whether the optimum lies between the designs of the lattice (optimum.refine = yes)."""
         if self.in_study:
             return self.complete and self.job.get(("optimum", "refine")) == "yes"
-        return np.isfinite(self.attributes.get("refined_error", np.nan))
+        with reading(self.path, "is damaged"):
+            return np.isfinite(self.attributes["refined_error"])
 
     def optimum(self):
         """({axis: value in m}, value of the objective) of the optimum so far, or None.
@@ -352,8 +353,7 @@ class Archive:
             found = rows["best_cell"] >= 0
             if not found.any():
                 return None
-            cells, values = (rows[name][found] for name in (
-                "best_cell", "best_value" if "best_value" in rows else "best_speed"))
+            cells, values = rows["best_cell"][found], rows["best_value"][found]
             cell = int(cells[values == values.max()].min())  # the first of equals
             index = np.unravel_index(cell - self.first_cell, tuple(map(len, self.box.values())))
             return ({name: float(self.box[name][i]) for name, i in zip(AXES, index)},

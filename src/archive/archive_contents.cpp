@@ -24,21 +24,19 @@ std::size_t read_edge(hid_t tile_done, const char* name, std::size_t extent) {
 /// The tallies of the tiles that are done.
 std::vector<TallyRow> read_tallies(hid_t file, const ArchiveContents& contents) {
   const auto values = hdf5::read_numbers(file, "tile_tally");
-  const std::size_t columns = stored_columns(contents.format_version).size();
+  constexpr std::size_t columns = tally_columns.size();
   if (values.size() != contents.tiles * columns)
     untrusted::fail("tile_tally does not have one row per tile");
-  std::vector<TallyRow> rows;
-  for (std::size_t t = 0; t < contents.tiles_done; ++t)
-    rows.push_back(
-        to_current_row(std::span(values).subspan(t * columns, columns), contents.format_version));
+  std::vector<TallyRow> rows(contents.tiles_done);
+  for (std::size_t t = 0; t < rows.size(); ++t)
+    std::copy_n(&values[t * columns], columns, rows[t].begin());
   return rows;
 }
 
 /// The measured error of a complete sweep, or none if it was not measured.
 std::optional<MeasuredError> read_error(hid_t file) {
   const auto read = [&](const char* name) { return hdf5::read_number_attribute(file, name); };
-  // Archives of format version 3 lack these attributes.
-  if (H5Aexists(file, "error_designs") <= 0 || !(read("error_designs") > 0)) return std::nullopt;
+  if (!(read("error_designs") > 0)) return std::nullopt;
   return MeasuredError{.median = read("error_median"),
                        .largest = read("error_largest"),
                        .at_optimum = read("error_at_optimum"),
@@ -49,9 +47,7 @@ std::optional<MeasuredError> read_error(hid_t file) {
 /// for.
 std::optional<RefinedOptimum> read_refined(hid_t file) {
   const auto read = [&](const char* name) { return hdf5::read_number_attribute(file, name); };
-  // Archives before format version 6 lack this attribute.
-  if (H5Aexists(file, "refined_error") <= 0 || std::isnan(read("refined_error")))
-    return std::nullopt;
+  if (std::isnan(read("refined_error"))) return std::nullopt;
   return RefinedOptimum{{{read("best_r1"), read("best_r3"), read("best_r2")},
                          read("best_value"),
                          read("best_speed"),
@@ -78,12 +74,10 @@ void check_maps(hid_t file, const ArchiveContents& contents, const Job& job) {
 ArchiveContents read(const std::filesystem::path& path) {
   const hdf5::File file = untrusted::open(path);
   const double format = hdf5::read_number_attribute(file, "format_version");
-  if (!(format >= oldest_format_version && format <= format_version &&
-        format == std::floor(format)))
-    throw std::runtime_error(fmt::format("format_version is {}, this program reads {} to {}",
-                                         format, oldest_format_version, format_version));
+  if (format != format_version)
+    throw std::runtime_error(
+        fmt::format("format_version is {}, this program reads {}", format, format_version));
   ArchiveContents contents;
-  contents.format_version = static_cast<unsigned>(format);
   contents.job = untrusted::read_text(file, "job");
   contents.scene = untrusted::read_text(file, "scene");
   contents.source = untrusted::read_text(file, "source");

@@ -72,11 +72,6 @@ bool is_same_job(const Job& job, const ArchiveHeader& archive) {
 
 ArchiveContents read_resumable(const Job& job, const std::filesystem::path& partial) {
   const ArchiveContents contents = read_or_explain(partial, [&] { return read_contents(partial); });
-  if (contents.format_version != format_version)
-    throw std::runtime_error(
-        fmt::format("{} has format_version {} instead of {} and cannot be continued: finish it "
-                    "with {}, or start again with --overwrite",
-                    partial.string(), contents.format_version, format_version, contents.source));
   if (contents.source != version_text())
     refuse_version(partial, "by", contents.source, version_text());
   const Job partial_job =

@@ -9,16 +9,6 @@
 #include <tuple>
 
 namespace trebsweep {
-namespace {
-
-constexpr std::size_t position(std::string_view column) {
-  const auto found = std::find(tally_columns.begin(), tally_columns.end(), column);
-  return static_cast<std::size_t>(found - tally_columns.begin());
-}
-
-constexpr std::size_t best_value = position("best_value"), best_speed = position("best_speed");
-
-}  // namespace
 
 std::uint64_t Tally::designs() const {
   return std::accumulate(statuses.begin(), statuses.end(), std::uint64_t{0});
@@ -70,32 +60,6 @@ TallyRow to_row(const Tally& tally) {
   const auto end_of_counts = std::copy(tally.statuses.begin(), tally.statuses.end(), row.begin());
   const auto end_of_rest = std::copy(rest.begin(), rest.end(), end_of_counts);
   std::transform(tally.first_cells.begin(), tally.first_cells.end(), end_of_rest, cell);
-  return row;
-}
-
-std::vector<std::size_t> stored_columns(unsigned long long format_version) {
-  // Versions 3 to 5 store no objective; versions 3 and 4 know eight statuses; version 3 does not
-  // store first cells.
-  const std::size_t statuses = format_version >= 5 ? status_names.size() : 8;
-  const std::size_t first_cells = tally_columns.size() - status_names.size();
-  std::vector<std::size_t> columns;
-  for (std::size_t c = 0; c < tally_columns.size(); ++c) {
-    const bool is_count = c < status_names.size(), is_first_cell = c >= first_cells;
-    const std::size_t status = is_first_cell ? c - first_cells : c;
-    if ((is_count || is_first_cell) && status >= statuses) continue;
-    if (is_first_cell && format_version < 4) continue;
-    if (c == best_value && format_version < 6) continue;
-    columns.push_back(c);
-  }
-  return columns;
-}
-
-TallyRow to_current_row(std::span<const double> stored, unsigned long long format_version) {
-  TallyRow row = to_row(Tally{});
-  const auto columns = stored_columns(format_version);
-  for (std::size_t c = 0; c < columns.size(); ++c) row[columns[c]] = stored[c];
-  // Before version 6 the objective is the speed, and -1 marks a tile without an optimum.
-  if (format_version < 6 && row[best_speed] >= 0) row[best_value] = row[best_speed];
   return row;
 }
 

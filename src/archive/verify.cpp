@@ -92,8 +92,7 @@ void verify(const std::filesystem::path& path, const std::vector<MapInfo>& maps,
   const hdf5::File file = untrusted::open(path);
   const MapShape shape(study);
   const std::size_t columns = checksum_columns(maps, is_study(study.job())).size();
-  // Older archives have fewer columns.
-  const std::size_t tally_size = hdf5::extents(hdf5::open_dataset(file, "tile_tally")).at(1);
+  constexpr std::size_t tally_size = tally_columns.size();
   const auto expected =
       read_rows<std::uint64_t>(file, "tile_checksum", H5T_NATIVE_UINT64, tiles, columns);
   const auto tallies = read_rows<double>(file, "tile_tally", H5T_NATIVE_DOUBLE, tiles, tally_size);

@@ -119,10 +119,7 @@ auto read_or_explain(const fs::path& path, F read) {
 }
 
 /// Throws std::runtime_error if an archive cannot be verified now.
-void require_verifiable(const fs::path& path, const ArchiveContents& contents) {
-  if (!contents.has_checksums())
-    throw std::runtime_error(fmt::format("{}: has no checksums (format_version {})", path.string(),
-                                         contents.format_version));
+void require_verifiable(const fs::path& path) {
   if (const auto writer = writer_of(path))
     throw std::runtime_error(fmt::format("{}: being written by {}; it can be verified afterwards",
                                          path.string(), *writer));
@@ -173,7 +170,7 @@ void verify_archive(const fs::path& given, ProgressStyle style, std::FILE* out) 
     throw std::runtime_error(
         fmt::format("{}: an assessment, which has no checksums", path.string()));
   const auto contents = read_or_explain(path, [&] { return read_contents(path); });
-  require_verifiable(path, contents);
+  require_verifiable(path);
   const Job job = parse_job(contents.job, path, {});
   const Study study(job);
   const auto tiling = read_or_explain(path, [&] { return contents.tiling(study); });

@@ -48,45 +48,6 @@ TEST_CASE("A design without a release, or without a finite objective, is not the
   CHECK(tally.best_cell == 7);
 }
 
-TEST_CASE(
-    "Older archives lack the objective and newer statuses, and the first ones the first cells") {
-  const auto names = [](unsigned long long version) {
-    std::vector<std::string_view> columns;
-    for (const std::size_t c : stored_columns(version)) columns.push_back(tally_columns[c]);
-    return columns;
-  };
-  CHECK(names(6) == std::vector<std::string_view>(tally_columns.begin(), tally_columns.end()));
-  auto five = names(6);
-  std::erase(five, "best_value");
-  CHECK(names(5) == five);
-  const auto four = names(4), three = names(3);
-  CHECK(four.size() == 23);
-  CHECK(four[7] == "released_below_ground");
-  CHECK(four[8] == "steps");
-  CHECK(four.back() == "first_released_below_ground");
-  CHECK(three == std::vector<std::string_view>(four.begin(), four.begin() + 15));
-}
-
-TEST_CASE("In older archives the objective is the speed, and -1 where nothing was released") {
-  const auto best_of = [](double speed, double cell) {
-    const auto columns = stored_columns(5);
-    std::vector<double> stored(columns.size(), 1);
-    const auto set = [&](std::string_view name, double value) {
-      for (std::size_t c = 0; c < columns.size(); ++c)
-        if (tally_columns[columns[c]] == name) stored[c] = value;
-    };
-    set("best_speed", speed);
-    set("best_cell", cell);
-    return to_tally(to_current_row(stored, 5));
-  };
-  CHECK(best_of(17, 3).best_value == 17);
-  CHECK(best_of(0, 3).best_value == 0);
-  Tally sum;
-  sum.add(best_of(-1, -1));
-  CHECK(sum.best_value == Tally{}.best_value);
-  CHECK(sum.best_cell == no_cell);
-}
-
 TEST_CASE("Rows with invalid counts are refused") {
   for (const double bad : {-1.0, 1e17, no_value}) {
     TallyRow row{};

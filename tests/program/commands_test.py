@@ -282,22 +282,6 @@ class MeasuredError(CommandTest):
         self.assert_refused(["sweep", self.job, "--solver.check", "maybe"],
                             "solver.check = maybe: must be one of no, yes")
 
-    def test_info_reads_archives_without_a_measured_error(self):
-        self.run_program("sweep", self.job, *COARSE)
-        with h5py.File(self.path("job.h5"), "r+") as file:  # as written by format version 3
-            for name in self.NAMES:
-                del file.attrs[name]
-            columns = file["tile_tally"].attrs["columns"].split()
-            newer = ("never_lifted", "sling_too_short", "best_value")
-            former = [i for i, name in enumerate(columns) if name not in newer and not name.startswith("first_")]
-            tallies = file["tile_tally"][...][:, former]
-            del file["tile_tally"]
-            file["tile_tally"] = tallies
-            file.attrs["format_version"] = np.uint64(3)
-        info = self.run_program("info", "job.h5").stdout
-        self.assertEqual(self.line(info), "error     not measured")
-        self.assertIn("optimum   1", info)
-
 
 class BuiltMachines(CommandTest):
     """The laboratory machine of jobs/lab.cfg: a hanger, a trough and the rules of release of builders."""
@@ -759,7 +743,7 @@ class Sweep(CommandTest):
         with h5py.File(self.path("job.h5")) as file:
             attributes = dict(file.attrs)
         self.assertEqual(attributes["Conventions"], "CF-1.10")
-        self.assertEqual(attributes["format_version"], 7)
+        self.assertEqual(attributes["format_version"], 1)
         self.assertEqual((attributes["objective"], attributes["objective_units"]), ("speed", "m s-1"))
         self.assertRegex(attributes["source"], r"^trebsweep \d")
         self.assertIn("--scene.gravity 9.81", attributes["history"])

@@ -1,23 +1,20 @@
-"""Damaged archives: flipped bits are found by `info --verify` and repaired by a resumed sweep. Archives of older
-formats are read.
+"""Damaged archives: flipped bits are found by `info --verify` and repaired by a resumed sweep.
 
 Needs TREBSWEEP (the program) and MPIEXEC in the environment.
 """
 
-import gzip
 import math
 import os
 import random
 import re
 import struct
-import sys
 import unittest
 import zlib
 
 import numpy as np
 
 from archives import differences, h5py
-from support import REPOSITORY, DirectoryTest
+from support import DirectoryTest
 
 FIELDS = ("speed", "status", "steps")
 JOB = f"[lattice]\nincrement = 0.04\n[solver]\ntolerance = 1e-8\n[output]\nfields = {', '.join(FIELDS)}\n"
@@ -228,76 +225,6 @@ class Repairs(DamageTest):
             partial["tile_tally"][0, columns.index("best_value")] = 1e9  # possible, but wrong
             partial["tile_tally"][1, columns.index("released")] = -1
         self.assertEqual(self.repair(0, ranks=2), "0 to 2")
-
-
-class OlderFormats(DirectoryTest):
-    """Sweeps of 60 designs by programs with format_version 3, before checksums, 4, with fewer statuses, 5, without an
-    objective, and 6, before studies. In version 5, the second of the two tiles has no release."""
-
-    EXPECTED = {3: ("60 released\n", "optimum   10.97422340 m/s at r1 = 0.7, r2 = 0.8, r3 = 0.5 m", "not measured"),
-                4: ("5 released\n", "55 not_released\n",
-                    "optimum   1.10468865 m/s at r1 = 0.7, r2 = 0.2, r3 = 0.3 m", "largest of 5 designs"),
-                5: ("6 released\n", "50 not_released\n", "4 sling_too_short\n",
-                    "optimum   14.51618864 m/s at r1 = 0.25, r2 = 1, r3 = 0.06 m", "largest of 6 designs"),
-                6: ("60 released\n", "optimum   efficiency 0.3574187234 at r1 = 0.6, r2 = 1.2, r3 = 0.7 m",
-                    "refined   efficiency 0.3574651874 at", "subject to peak-axle-load <= 170000, error 2e-15")}
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        for version in cls.EXPECTED:
-            with gzip.open(os.path.join(os.path.dirname(__file__), f"version{version}.h5.gz")) as file:
-                cls.write(f"version{version}.h5", file.read())
-
-    def test_they_are_described_and_drawn(self):
-        for version, expected in self.EXPECTED.items():
-            text = self.run_program("info", f"version{version}.h5").stdout
-            for words in (f"version{version}.h5, complete", *expected):
-                self.assertIn(words, text)
-            script = os.path.join(REPOSITORY, "analysis", "heatmap.py")
-            done = self.run_command(sys.executable, script, f"version{version}.h5", "--field", "slack")
-            self.assertNotIn("damaged", done.stderr)
-            script = os.path.join(REPOSITORY, "analysis", "optimum.py")
-            options = self.run_command(sys.executable, script, f"version{version}.h5").stdout.split()
-            with h5py.File(self.path(f"version{version}.h5")) as file:
-                self.assertEqual(options, [word for axis in ("r1", "r3", "r2")
-                                           for word in (f"--{axis}", repr(float(file.attrs[f"best_{axis}"])))])
-
-    def test_those_with_checksums_are_verified(self):
-        done = self.run_program("info", "version3.h5", "--verify", code=1)
-        self.assertIn("version3.h5: has no checksums (format_version 3)", done.stderr)
-        for version in (4, 5, 6):
-            self.assertIn("every value of speed, status, slack, tile_tally is as written",
-                          self.run_program("info", f"version{version}.h5", "--verify").stdout)
-            damaged = self.write("damaged.h5", self.read(f"version{version}.h5"))
-            with h5py.File(damaged, "r+") as file:
-                file["tile_tally"][0, -1] += 1
-            self.assertIn("damaged   tile_tally", self.run_program("info", "damaged.h5", "--verify", code=1).stdout)
-
-    def test_a_complete_one_counts_as_complete(self):
-        for version in self.EXPECTED:
-            with h5py.File(self.path(f"version{version}.h5")) as file:
-                job = self.write("old.cfg", file.attrs["job"])
-            before = self.read(f"version{version}.h5")
-            done = self.run_program("sweep", job)
-            self.assertIn("complete archive of this job", done.stderr)
-            self.assertEqual(self.read(f"version{version}.h5"), before)
-            for option in ("--optimum.objective=range", "--optimum.subject-to=speed <= 9"):  # not those of the archive
-                done = self.run_program("sweep", job, option, code=2)
-                self.assertIn("holds the archive of another job", done.stderr)
-
-    def test_they_are_not_continued(self):
-        for version in self.EXPECTED:
-            partial = self.write("job.h5.partial", self.read(f"version{version}.h5"))
-            with h5py.File(partial, "r+") as file:
-                file["tile_done"][...] = 0
-                job = file.attrs["job"]
-            self.write("job.cfg", job)
-            before = self.read("job.h5.partial")
-            done = self.run_program(*SWEEP, "job.h5", ranks=2, code=1)
-            self.assertIn(f"job.h5.partial has format_version {version} instead of 7 and cannot be continued",
-                          done.stderr)
-            self.assertEqual(self.read("job.h5.partial"), before)
 
 
 if __name__ == "__main__":

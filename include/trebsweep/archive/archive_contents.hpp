@@ -16,7 +16,6 @@ namespace trebsweep {
 
 /// Everything in the archive of a sweep, complete or partial, except for the values of its maps.
 struct ArchiveContents {
-  unsigned format_version = 0;
   std::string job;     ///< text of the job file
   std::string scene;   ///< scene_text() of the job
   std::string source;  ///< program and version that created the archive
@@ -35,8 +34,6 @@ struct ArchiveContents {
 
   bool complete() const { return tiles_done == tiles; }
 
-  bool has_checksums() const { return format_version >= 4; }
-
   /// The sum of the tallies of the tiles done, except those in `without`, which are in ascending
   /// order. Throws std::runtime_error if a tally is impossible.
   Tally tally(std::span<const TileRange> without = {}) const;
@@ -47,7 +44,7 @@ struct ArchiveContents {
 };
 
 /// Reads an archive in one process, without MPI. Throws std::runtime_error if the file is not an
-/// archive, is damaged, lacks a map, or has a format_version that cannot be read; throws
+/// archive, is damaged, lacks a map, or has another format_version; throws
 /// std::system_error if that cannot be decided, for example because reading takes more than a
 /// minute.
 ArchiveContents read_contents(const std::filesystem::path& path);

@@ -13,10 +13,8 @@
 
 namespace trebsweep {
 
-/// The file format version, stored in the attribute format_version, and the oldest one that can be
-/// read. Version 3 has no checksums; versions 3 to 5 have fewer columns in tile_tally, and the
-/// objective of their optimum is the speed; versions 3 to 6 have a single scene.
-inline constexpr unsigned long long format_version = 7, oldest_format_version = 3;
+/// The file format version, stored in the attribute format_version. It changes with the layout.
+inline constexpr unsigned long long format_version = 1;
 
 /// Number types of a map in the file.
 enum class MapType { float64, float32, uint8 };

@@ -72,14 +72,6 @@ using TallyRow = std::array<double, tally_columns.size()>;
 
 TallyRow to_row(const Tally& tally);
 
-/// The positions in a TallyRow of the columns of tile_tally in archives of a format version, one
-/// that can be read.
-std::vector<std::size_t> stored_columns(unsigned long long format_version);
-
-/// The tally in a row of tile_tally of an archive of a format version, with the values of its
-/// stored_columns().
-TallyRow to_current_row(std::span<const double> stored, unsigned long long format_version);
-
 /// Throws std::runtime_error if the row holds an invalid count.
 Tally to_tally(const TallyRow& row);
 
