@@ -5,7 +5,9 @@ import copy
 import os
 import signal
 import sys
+import tempfile
 
+from launch import check, find_program, run_program
 from program import existing, fail, note, refuse  # before modules that may be missing
 
 import h5py
@@ -37,6 +39,16 @@ def open_file(path):
         return h5py.File(path, "r")
 
 
+def open_archive(path):
+    """Opens an archive, or a snapshot of the unfinished sweep in a folder FILE.partial."""
+    if not (path.endswith(".partial") and os.path.isdir(path)):
+        return open_file(path)
+    with tempfile.TemporaryDirectory() as directory:
+        snapshot = os.path.join(directory, "snapshot.h5")
+        check(run_program(find_program(), "info", path, "--snapshot", snapshot))
+        return open_file(snapshot)  # stays open after its removal
+
+
 @contextlib.contextmanager
 def limited_cpu_time(seconds=20):
     """Ends the program if HDF5 loops on a damaged file; waiting for a disk does not count."""
@@ -62,11 +74,11 @@ class Archive:
     """
 
     def __init__(self, path):
-        """Opens the archive at `path`, or its partial archive if only this one exists; ends the
-        program with a message if it is not one."""
+        """Opens the archive at `path`, or its unfinished sweep if only this one exists; ends the
+        program with a message if it is neither."""
         self.path = path = existing(path)
         with limited_cpu_time():
-            self.file = open_file(path)
+            self.file = open_archive(path)
             with reading(path, "is damaged"):
                 missing = [name for name in (*AXES, "tile_done") if name not in self.file]
                 if missing:

@@ -94,7 +94,7 @@ def print_design(archive, fields):
 def main():
     parser = Parser(__doc__)
     parser.add_argument("archive", metavar="ARCHIVE",
-                        help="archive of a sweep, complete or partial")
+                        help="archive of a sweep, or FILE.partial, an unfinished one")
     parser.add_argument("--field", help="the map to draw (default: speed, or the first map "
                         "without a speed map); `trebsweep sweep --help` lists the fields")
     parser.add_scene()

@@ -2,7 +2,7 @@
 """Prints the optimum of an archive as options of `trebsweep trace`.
 
 The optimum is the design with the largest optimum.objective, by default the fastest, among those
-that satisfy the job's constraints; in a partial archive, that of the designs done so far. With
+that satisfy the job's constraints; in an unfinished sweep, that of the designs done so far. With
 --continuous it is the one that `trebsweep optimum` finds between the designs of the lattice.
 Without an optimum, nothing is printed on stdout, and the exit code is 0.
 
@@ -45,7 +45,7 @@ def continuous_optimum(program, text):
 def main():
     parser = Parser(__doc__)
     parser.add_argument("archive", metavar="ARCHIVE",
-                        help="archive of a sweep, complete or partial")
+                        help="archive of a sweep, or FILE.partial, an unfinished one")
     parser.add_scene()
     parser.add_argument("--continuous", action="store_true",
                         help="search between the designs of the lattice")

@@ -72,7 +72,7 @@ def refuse_overwriting(option, path, *inputs):
 
 
 def existing(path):
-    """The path of an archive, or that of its partial archive if only this one exists."""
+    """The path of an archive, or that of its unfinished sweep if only this one exists."""
     partial = (os.path.realpath(path) if os.path.islink(path) else path) + ".partial"
     return partial if not os.path.exists(path) and os.path.exists(partial) else path
 

@@ -227,7 +227,7 @@ def read_ranges(archive, given):
 def main():
     parser = Parser(__doc__)
     parser.add_argument("archive", metavar="ARCHIVE",
-                        help="archive of a sweep or a study with maps, complete or partial")
+                        help="archive of a sweep or a study with maps, or FILE.partial, an unfinished one")
     parser.add_argument("--field", default="speed", help="the map of numbers (default: speed)")
     parser.add_scene(what="use only the scenes with this value")
     parser.add_argument("--box", metavar="KEY=FIRST:LAST", type=interval, action="append",

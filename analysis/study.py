@@ -260,7 +260,7 @@ def at_most_two_axes(archive):
 def main():
     parser = Parser(__doc__)
     parser.add_argument("archive", metavar="ARCHIVE",
-                        help="archive of a study, complete or partial")
+                        help="archive of a study, or FILE.partial, an unfinished one")
     parser.add_argument("--quantity", choices=QUANTITIES, action="append", metavar="QUANTITY",
                         help="draw only this quantity; may be repeated; one of "
                         + ", ".join(QUANTITIES))

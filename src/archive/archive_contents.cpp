@@ -22,14 +22,14 @@ std::size_t read_edge(hid_t tile_done, const char* name, std::size_t extent) {
 }
 
 /// The tallies of the tiles that are done.
-std::vector<TallyRow> read_tallies(hid_t file, const ArchiveContents& contents) {
+std::vector<TallyRow> read_tallies(hid_t file, const std::vector<double>& done) {
   const auto values = hdf5::read_numbers(file, "tile_tally");
   constexpr std::size_t columns = tally_columns.size();
-  if (values.size() != contents.tiles * columns)
+  if (values.size() != done.size() * columns)
     untrusted::fail("tile_tally does not have one row per tile");
-  std::vector<TallyRow> rows(contents.tiles_done);
-  for (std::size_t t = 0; t < rows.size(); ++t)
-    std::copy_n(&values[t * columns], columns, rows[t].begin());
+  std::vector<TallyRow> rows;
+  for (std::size_t t = 0; t < done.size(); ++t)
+    if (done[t] == 1) std::copy_n(&values[t * columns], columns, rows.emplace_back().begin());
   return rows;
 }
 
@@ -71,7 +71,9 @@ void check_maps(hid_t file, const ArchiveContents& contents, const Job& job) {
           fmt::format("the extent of map {} is not that of the axes", dataset_name(field)));
 }
 
-ArchiveContents read(const std::filesystem::path& path) {
+}  // namespace
+
+ArchiveContents read_contents(const std::filesystem::path& path) {
   const hdf5::File file = untrusted::open(path);
   const double format = hdf5::read_number_attribute(file, "format_version");
   if (format != format_version)
@@ -98,10 +100,10 @@ ArchiveContents read(const std::filesystem::path& path) {
     contents.tile_edge[d] = read_edge(tile_done, edges[d], contents.axes[d].size());
   const auto done = hdf5::read_numbers(file, "tile_done");
   contents.tiles = done.size();
-  contents.tiles_done = untrusted::count_done(done);
-  contents.tallies = read_tallies(file, contents);
+  contents.tallies = read_tallies(file, done);
+  contents.tiles_done = contents.tallies.size();
   if (is_study(job))
-    contents.optima = read_optima(file, outer_extents(job), 0, count_scenes(job));
+    contents.optima = read_optima(file, outer_extents(job));
   else
     contents.refined = read_refined(file);
   contents.error = read_error(file);
@@ -109,23 +111,18 @@ ArchiveContents read(const std::filesystem::path& path) {
   return contents;
 }
 
-}  // namespace
-
-Tally ArchiveContents::tally(std::span<const TileRange> without) const {
+Tally ArchiveContents::tally() const {
   const std::uint64_t scenes = outer_axes.empty() ? 1 : optima.size();
   const std::uint64_t cells = scenes * axes[0].size() * axes[1].size() * axes[2].size();
   Tally sum;
-  for (std::uint64_t t = 0; t < tiles_done; ++t) {
-    while (!without.empty() && without.front().end <= t) without = without.subspan(1);
-    if (!without.empty() && without.front().first <= t) continue;
-    const Tally tally = to_tally(tallies[t]);
-    if (tally.designs() == 0)
-      untrusted::fail(fmt::format("tile {} is marked done but has no designs", t));
-    if (tally.best_value > Tally{}.best_value && tally.best_cell >= cells)
-      untrusted::fail(fmt::format("the best design of tile {} lies outside the lattice", t));
+  for (const TallyRow& row : tallies) {
+    const Tally tally = to_tally(row);
+    if (tally.designs() == 0) untrusted::fail("a tile is marked done but has no designs");
+    if (tally.best.exists() && tally.best.cell >= cells)
+      untrusted::fail("the best design of a tile lies outside the lattice");
     for (const std::uint64_t first : tally.first_cells)
       if (first != no_cell && first >= cells)
-        untrusted::fail(fmt::format("a design of tile {} lies outside the lattice", t));
+        untrusted::fail("a design of a tile lies outside the lattice");
     sum.add(tally);
   }
   return sum;
@@ -141,10 +138,6 @@ Tiling ArchiveContents::tiling(const Study& study) const {
   const Tiling tiling(study, tile_edge);
   if (tiles != tiling.size()) untrusted::fail("its tiles are not those of its lattice");
   return tiling;
-}
-
-ArchiveContents read_contents(const std::filesystem::path& path) {
-  return untrusted::read(path, [&] { return read(path); });
 }
 
 }  // namespace trebsweep

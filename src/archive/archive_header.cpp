@@ -1,5 +1,6 @@
 #include "trebsweep/archive/archive_header.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <system_error>
 
@@ -14,13 +15,11 @@ ArchiveHeader read_header(const std::filesystem::path& path) {
   if (!untrusted::read_text(file, "source").starts_with("trebsweep "))
     untrusted::fail("created by another program");
   ArchiveHeader header{.job = untrusted::read_text(file, "job"),
-                       .is_sweep = H5Lexists(file, "tile_done", H5P_DEFAULT) > 0,
-                       .replaces = {}};
+                       .is_sweep = H5Lexists(file, "tile_done", H5P_DEFAULT) > 0};
   if (header.is_sweep) {
     const auto done = hdf5::read_numbers(file, "tile_done");
     header.tiles = done.size();
-    header.tiles_done = untrusted::count_done(done);
-    if (H5Aexists(file, "replaces") > 0) header.replaces = untrusted::read_text(file, "replaces");
+    header.tiles_done = static_cast<std::uint64_t>(std::ranges::count(done, 1.0));
   } else if (H5Lexists(file, "accuracy", H5P_DEFAULT) <= 0) {
     untrusted::fail("neither a sweep nor an assessment");
   }
@@ -31,9 +30,7 @@ ArchiveHeader read_header(const std::filesystem::path& path) {
 
 std::optional<ArchiveHeader> read_archive_header(const std::filesystem::path& path) {
   try {
-    return untrusted::read(path, [&] { return read_header(path); });
-  } catch (const std::system_error&) {
-    throw;  // nothing is known about the file
+    return read_header(path);
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }

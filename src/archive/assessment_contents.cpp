@@ -4,9 +4,8 @@
 #include "trebsweep/archive/untrusted_file.hpp"
 
 namespace trebsweep {
-namespace {
 
-AssessmentContents read(const std::filesystem::path& path) {
+AssessmentContents read_assessment(const std::filesystem::path& path) {
   const hdf5::File file = untrusted::open(path);
   AssessmentContents contents{.job = untrusted::read_text(file, "job"),
                               .source = untrusted::read_text(file, "source"),
@@ -15,12 +14,6 @@ AssessmentContents read(const std::filesystem::path& path) {
   for (const std::string& name : hdf5::link_names(file))
     if (untrusted::is_printable(name)) contents.tables.push_back(name);
   return contents;
-}
-
-}  // namespace
-
-AssessmentContents read_assessment(const std::filesystem::path& path) {
-  return untrusted::read(path, [&] { return read(path); });
 }
 
 }  // namespace trebsweep

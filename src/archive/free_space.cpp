@@ -59,22 +59,21 @@ std::string shortage_text(std::uintmax_t bytes, const std::string& why) {
 
 }  // namespace
 
-void require_space(const Job& job, const fs::path& path, std::uintmax_t bytes) {
-  const auto fail = [&](const std::string& why) {
-    throw std::runtime_error(fmt::format("{} {}", path.string(), shortage_text(bytes, why)));
+void require_space(const Job& job, const fs::path& path, std::uintmax_t bytes, std::uintmax_t all) {
+  const auto fail = [&](std::uintmax_t size, const std::string& why) {
+    throw std::runtime_error(fmt::format("{} {}", path.string(), shortage_text(size, why)));
   };
   if (const auto limit = size_limit(); bytes > limit)
-    fail(fmt::format("but the file size limit (ulimit -f) is {}", size_text(limit)));
+    fail(bytes, fmt::format("but the file size limit (ulimit -f) is {}", size_text(limit)));
   const fs::path directory = directory_of(path);
   std::error_code error;
   const auto space = fs::space(directory, error);
-  if (!error && bytes > space.available)
-    refuse_output(job,
-                  shortage_text(bytes, fmt::format("but only {} ({} bytes) are available in {}",
-                                                   size_text(space.available), space.available,
-                                                   directory.string())));
-  if (quota_forbids(path, bytes))
-    fail(fmt::format("more than a quota in {} allows", directory.string()));
+  if (!error && all > space.available)
+    refuse_output(job, shortage_text(all, fmt::format("but only {} ({} bytes) are available in {}",
+                                                      size_text(space.available), space.available,
+                                                      directory.string())));
+  if (quota_forbids(path, all))
+    fail(all, fmt::format("more than a quota in {} allows", directory.string()));
 }
 
 std::string reached_limit(const fs::path& path) {

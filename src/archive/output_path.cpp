@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 fs::path partial_path(const fs::path& path) { return path.string() + ".partial"; }
 
-fs::path new_path(const fs::path& path) { return path.string() + ".partial.new"; }
+fs::path new_path(const fs::path& path) { return path.string() + ".new"; }
 
 fs::path lock_path(const fs::path& path) { return path.string() + ".lock"; }
 
@@ -36,11 +36,16 @@ fs::path checked_output_path(const Job& job) {
   if (const auto kind = irregular_kind(path))
     refuse_output(job, fmt::format("is {}; name a file", *kind));
   for (const fs::path& name : {path, lock_path(path), partial_path(path), new_path(path)}) {
+    const bool is_folder = name == partial_path(path);
     std::error_code error;
     const fs::file_status status = fs::symlink_status(name, error);
     if (status.type() == fs::file_type::none)
       refuse_output(job, fmt::format("cannot write in {}: {}: {}", directory.string(),
                                      shortened(name.filename().string()), error.message()));
+    if (is_folder && fs::is_directory(status)) continue;
+    if (is_folder && fs::is_regular_file(status))
+      refuse_output(job,
+                    fmt::format("{} is a file; move it away, or name another file", name.string()));
     if (const auto kind = irregular_kind(status))
       refuse_output(
           job, fmt::format("{} is {}; move it away, or name another file", name.string(), *kind));

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "trebsweep/archive/archive_contents.hpp"
 #include "trebsweep/archive/archive_header.hpp"
 #include "trebsweep/archive/output_path.hpp"
 #include "trebsweep/archive/regular_file.hpp"
@@ -44,7 +45,6 @@ std::unique_ptr<FileLock> lock_output(const Job& job, const fs::path& path) {
     refuse_output(
         job, fmt::format("cannot write {}: {}", lock_path(path).string(), error.code().message()));
   }
-  check_new_file(job, new_path(path), *lock);
   return lock;
 }
 
@@ -56,17 +56,21 @@ std::optional<ArchiveHeader> find_archive(const Job& job, const fs::path& path) 
   return archive;
 }
 
-/// The header of the existing partial archive, if any. Throws InputError if the file is not one.
-std::optional<ArchiveHeader> find_partial(const Job& job, const fs::path& path) {
-  const fs::path partial_file = partial_path(path);
-  if (!fs::exists(partial_file)) return std::nullopt;
-  auto partial = read_archive_header(partial_file);
-  if (!partial || !partial->is_sweep)
-    refuse_output(
-        job, fmt::format("{} exists and is not an unfinished sweep, or is damaged; move it away, "
-                         "or name another file",
-                         partial_file.string()));
-  return partial;
+/// What the existing folder of a partial sweep says, if anything. Throws InputError if the folder
+/// is not one.
+std::optional<PartialSweep> find_partial(const Job& job, const fs::path& path) {
+  const fs::path folder = partial_path(path);
+  if (!fs::exists(folder)) return std::nullopt;
+  const bool is_ours = is_partial_folder(folder);
+  try {
+    if (is_ours) return read_partial_sweep(folder);
+  } catch (const std::runtime_error&) {
+    if (journals_in(folder).empty()) return std::nullopt;  // killed while it was created
+  }
+  refuse_output(
+      job, fmt::format("{} exists and is not an unfinished sweep, or is damaged; move it away, or "
+                       "name another file",
+                       folder.string()));
 }
 
 /// Throws InputError if an archive is not the complete one of this job. `remedy` is what the
@@ -78,19 +82,13 @@ void require_complete(const Job& job, const fs::path& path, const ArchiveHeader&
                   fmt::format("holds {}; {}, or replace it with --overwrite", what, what_to_do));
   };
   if (!archive.is_sweep) refuse("an assessment", remedy);
-  if (!is_same_job(job, archive))
-    refuse(fmt::format("the {}archive of another job", archive.complete() ? "" : "unfinished "),
-           remedy);
+  if (!is_same_job(job, archive.job)) refuse("the archive of another job", remedy);
   if (!archive.complete())
-    refuse(fmt::format("an unfinished archive of this job, {} of {} tiles done", archive.tiles_done,
+    refuse(fmt::format("a snapshot of this job, {} of {} tiles done", archive.tiles_done,
                        archive.tiles),
-           fs::exists(partial_path(path))
-               ? remedy
-               : fmt::format("rename it to {} to continue it", partial_path(path).string()));
+           remedy);
   try {
     read_contents(path).tally();
-  } catch (const std::system_error&) {
-    throw;  // nothing is known about the file
   } catch (const std::runtime_error& error) {
     refuse(fmt::format("an archive of this job that cannot be used ({})", error.what()), remedy);
   }
@@ -99,11 +97,11 @@ void require_complete(const Job& job, const fs::path& path, const ArchiveHeader&
 /// Whether the complete archive of this job exists. Throws InputError if another archive exists
 /// that may not be replaced.
 bool is_complete(const Job& job, const fs::path& path, bool overwrite,
-                 const std::optional<ArchiveHeader>& partial) {
+                 const std::optional<PartialSweep>& partial) {
   const auto archive = find_archive(job, path);
   // A run that was started with --overwrite may be resumed without it, but may replace only the
   // archive that existed at its start.
-  const bool resumes = partial && is_same_job(job, *partial);
+  const bool resumes = partial && is_same_job(job, partial->job);
   const bool may_replace = overwrite || (resumes && partial->replaces == file_identity(path));
   if (!archive || may_replace) return false;
   require_complete(job, path, *archive,
@@ -121,13 +119,18 @@ OutputState open_or_resume(const Job& job, bool overwrite) {
                    is_complete(job, state.path, overwrite, std::nullopt);
   if (state.complete) return state;
   state.lock = lock_output(job, state.path);
+  const fs::path folder = partial_path(state.path);
   const auto partial = find_partial(job, state.path);
   state.complete = is_complete(job, state.path, overwrite, partial);
   state.replaces = file_identity(state.path);
-  if (state.complete)
+  if (state.complete) {
+    // A run was killed after it had renamed the archive.
+    if (partial && is_same_job(job, partial->job)) remove_partial(folder);
     state.lock.reset();
-  else if (partial && !overwrite)
-    state.partial = read_resumable(job, partial_path(state.path));
+  } else if (partial && !overwrite) {
+    require_resumable(job, folder, *partial);
+    state.partial = partial;
+  }
   return state;
 }
 
@@ -135,6 +138,7 @@ OutputState reserve_output(const Job& job, bool overwrite) {
   OutputState state;
   state.path = checked_output_path(job);
   state.lock = lock_output(job, state.path);
+  check_new_file(job, new_path(state.path), *state.lock);
   if (find_archive(job, state.path) && !overwrite)
     refuse_output(job, "already exists; name another file, or replace it with --overwrite");
   state.replaces = file_identity(state.path);

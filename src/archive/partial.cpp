@@ -1,86 +1,88 @@
 #include "trebsweep/archive/partial.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "trebsweep/archive/free_space.hpp"
-#include "trebsweep/archive/hdf5.hpp"
-#include "trebsweep/archive/map_chunks.hpp"
 #include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/base/mpi.hpp"
 
 namespace trebsweep {
+namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<RunId> create_partial(const fs::path& path, const Skeleton& skeleton,
-                                    const ProgressCallback& progress, MPI_Comm comm) {
-  hdf5::silence();
-  const fs::path file = new_path(path);
-  const bool must_fill = skeleton.compression == 0;
-  // Allocating chunks is fast compared with filling them.
-  const double skeleton_fraction = must_fill ? 0.2 : 1;
-  std::optional<RunId> run_id;
-  const auto remove = [&] {
-    std::error_code ignored;
-    if (mpi::rank(comm) == 0) fs::remove(file, ignored);
-  };
-  try {
-    mpi::on_root(comm, [&] {
-      fs::remove(file);
-      require_space(skeleton.study.job(), file, minimum_size(skeleton));
-      run_id = create_skeleton(
-          file, skeleton, [&](double fraction) { return progress(skeleton_fraction * fraction); });
-    });
-    run_id = mpi::from_root(run_id, comm);
-    if (run_id) require_visible(file, comm);
-    const auto fill_progress = [&](double fraction) {
-      return progress(skeleton_fraction + (1 - skeleton_fraction) * fraction);
-    };
-    if (run_id && must_fill &&
-        !fill_uncompressed(file, skeleton.maps, MapShape(skeleton.study), skeleton.tiling,
-                           fill_progress, comm))
-      run_id.reset();
-    mpi::on_root(comm, [&] {
-      if (!run_id) return;
-      check_run_id(*run_id, file);
-      fs::rename(file, partial_path(path));
-    });
-  } catch (const mpi::RootError&) {  // thrown on all ranks, after a file may have been created
-    remove();
-    throw;
-  }
-  if (!run_id) remove();
-  return run_id;
+constexpr const char* description = "sweep.json";
+constexpr const char* new_description = "sweep.json.new";
+constexpr const char* archive = "archive.h5";
+constexpr const char* journal_suffix = ".journal";
+
+}  // namespace
+
+void write_partial_sweep(const fs::path& folder, const PartialSweep& sweep) {
+  const nlohmann::ordered_json json{{"program", "trebsweep"},       {"source", sweep.source},
+                                    {"kernel", sweep.kernel},       {"numerics", sweep.numerics},
+                                    {"tile_edge", sweep.tile_edge}, {"replaces", sweep.replaces},
+                                    {"history", sweep.history},     {"job", sweep.job}};
+  fs::create_directory(folder);
+  const fs::path path = folder / new_description;
+  std::ofstream file(path);
+  file << json.dump(2) << '\n';
+  file.close();
+  if (!file) throw std::runtime_error("cannot write " + path.string());
+  fs::rename(path, folder / description);
 }
 
-RunId continue_partial(const fs::path& path, const Study& study, const Tiling& tiling,
-                       const std::vector<MapInfo>& maps, const std::vector<TileRange>& to_compute,
-                       const std::string& history_line) {
-  hdf5::silence();
-  const fs::path partial = partial_path(path);
-  const MapShape shape(study);
-  require_allocated(partial, maps, shape, tiling, to_compute);
-  RunId run_id{};
-  write_partial(partial, [&] {
-    hdf5::File file(H5Fopen(partial.c_str(), H5F_ACC_RDWR, H5P_DEFAULT),
-                    "open " + partial.string());
-    // A run that was killed within a flush may have written the index of compressed chunks, but not
-    // the size of the file that holds them.
-    hdf5::check(H5Fincrement_filesize(file, 0), "set the file's size");
-    run_id = write_run_id(file, partial);
-    for (const MapInfo& map : maps) reset_edge_chunks(file, map, shape, tiling, to_compute);
-    std::string history;
-    try {
-      history = hdf5::read_text_attribute(file, "history") + "\n";
-    } catch (const std::runtime_error&) {
-      // A run was killed while writing it: the maps are worth more than the history.
-    }
-    hdf5::write_attribute(file, "history", history + history_line);
-    file.close("close the file");
+PartialSweep read_partial_sweep(const fs::path& folder) {
+  const fs::path path = folder / description;
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error("cannot read " + path.string());
+  try {
+    const auto json = nlohmann::json::parse(file);
+    PartialSweep sweep{.job = json.at("job"),
+                       .source = json.at("source"),
+                       .kernel = json.at("kernel"),
+                       .numerics = json.at("numerics"),
+                       .tile_edge = json.at("tile_edge"),
+                       .replaces = json.at("replaces"),
+                       .history = json.at("history")};
+    if (std::ranges::count(sweep.tile_edge, 0) > 0) throw std::runtime_error("tiles of no extent");
+    return sweep;
+  } catch (const std::exception& error) {
+    throw std::runtime_error(fmt::format("{}: damaged: {}", path.string(), error.what()));
+  }
+}
+
+fs::path journal_path(const fs::path& folder, std::size_t run, int rank) {
+  return folder / fmt::format("{:04}-{:05}{}", run, rank, journal_suffix);
+}
+
+std::vector<fs::path> journals_in(const fs::path& folder) {
+  std::vector<fs::path> journals;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == journal_suffix) journals.push_back(entry.path());
+  std::ranges::sort(journals);
+  return journals;
+}
+
+fs::path unfinished_archive(const fs::path& folder) { return folder / archive; }
+
+bool is_partial_folder(const fs::path& folder) {
+  return std::all_of(fs::directory_iterator(folder), {}, [](const fs::directory_entry& entry) {
+    const fs::path name = entry.path().filename();
+    return entry.is_regular_file() && (name == description || name == new_description ||
+                                       name == archive || name.extension() == journal_suffix);
   });
-  return run_id;
+}
+
+void remove_partial(const fs::path& folder) {
+  std::error_code ignored;  // a file that remains does no harm
+  fs::remove_all(folder, ignored);
 }
 
 void require_visible(const fs::path& path, MPI_Comm comm) {
@@ -92,28 +94,17 @@ void require_visible(const fs::path& path, MPI_Comm comm) {
   });
 }
 
-void finish_partial(const fs::path& path, const RunId& run_id, const std::string& replaces) {
-  check_run_id(run_id, partial_path(path));
-  rename_to_final(partial_path(path), path, replaces);
-}
-
 void rename_to_final(const fs::path& from, const fs::path& to, const std::string& replaces) {
+  const int file = open(from.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool synced = file >= 0 && fsync(file) == 0;
+  if (file >= 0) close(file);
+  if (!synced) throw std::runtime_error("cannot sync " + from.string());
   if (fs::exists(fs::symlink_status(to)) && file_identity(to) != replaces)
     throw std::runtime_error(
         fmt::format("cannot rename {} to {}: a file with that name has appeared in the meantime; "
                     "move it away, and the same command will finish the archive",
                     from.string(), to.string()));
   fs::rename(from, to);
-}
-
-void write_partial(const fs::path& partial, const std::function<void()>& write) {
-  try {
-    write();
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(fmt::format(
-        "{} in {}{}; the tiles marked done are kept there, and the same command will continue it",
-        error.what(), partial.string(), reached_limit(partial)));
-  }
 }
 
 }  // namespace trebsweep

@@ -9,7 +9,6 @@
 #include <system_error>
 #include <vector>
 
-#include "trebsweep/archive/archive_format.hpp"
 #include "trebsweep/archive/output_path.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/version.hpp"
@@ -38,54 +37,36 @@ std::vector<std::string> differences(const Job& here, const Job& there) {
   return different;
 }
 
-/// Calls `read`, and adds to the message of a failure that the partial archive cannot be continued.
-template <class F>
-auto read_or_explain(const std::filesystem::path& partial, F read) {
-  try {
-    return read();
-  } catch (const std::system_error&) {
-    throw;  // nothing is known about the file
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(
-        fmt::format("{}: {}; it cannot be continued: remove it, or start again with --overwrite",
-                    partial.string(), error.what()));
-  }
-}
-
-[[noreturn]] void refuse_version(const std::filesystem::path& partial, const std::string& what,
+[[noreturn]] void refuse_version(const std::filesystem::path& folder, const std::string& what,
                                  std::string_view there, std::string_view here) {
   throw std::runtime_error(
       fmt::format("{} was started {} {}; this is {}: finish it there, or start again with "
                   "--overwrite",
-                  partial.string(), what, there, here));
+                  folder.string(), what, there, here));
 }
 
 }  // namespace
 
-bool is_same_job(const Job& job, const ArchiveHeader& archive) {
+bool is_same_job(const Job& job, const std::string& stored) {
   try {
-    return archive.is_sweep && differences(job, parse_job(archive.job, "archive", {})).empty();
+    return differences(job, parse_job(stored, "archive", {})).empty();
   } catch (const InputError&) {
-    return false;  // created by a version with other keys
+    return false;  // of a version with other keys
   }
 }
 
-ArchiveContents read_resumable(const Job& job, const std::filesystem::path& partial) {
-  const ArchiveContents contents = read_or_explain(partial, [&] { return read_contents(partial); });
-  if (contents.source != version_text())
-    refuse_version(partial, "by", contents.source, version_text());
-  const Job partial_job =
-      read_or_explain(partial, [&] { return parse_job(contents.job, partial, {}); });
-  const auto different = differences(job, partial_job);
+void require_resumable(const Job& job, const std::filesystem::path& folder,
+                       const PartialSweep& partial) {
+  if (partial.numerics != numerics_version)
+    refuse_version(folder, fmt::format("by {}, with numerics", partial.source),
+                   fmt::to_string(partial.numerics), fmt::to_string(numerics_version));
+  const auto different = differences(job, parse_job(partial.job, folder, {}));
   if (!different.empty())
     refuse_output(job, fmt::format("{} holds an unfinished sweep of another job ({}); name another "
                                    "file, or start again with --overwrite",
-                                   partial.string(), fmt::join(different, "; ")));
-  if (has_fma(contents.kernel) != has_fma(instruction_set()))
-    refuse_version(partial, "on a machine with", contents.kernel, instruction_set());
-  const Study study(job);
-  read_or_explain(partial, [&] { return contents.tiling(study); });
-  return contents;
+                                   folder.string(), fmt::join(different, "; ")));
+  if (has_fma(partial.kernel) != has_fma(instruction_set()))
+    refuse_version(folder, "on a machine with", partial.kernel, instruction_set());
 }
 
 }  // namespace trebsweep

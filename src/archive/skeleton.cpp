@@ -4,12 +4,11 @@
 #include <fmt/ranges.h>
 #include <hdf5_hl.h>
 
-#include <algorithm>
 #include <array>
+#include <bit>
 #include <numeric>
 
 #include "trebsweep/archive/hdf5.hpp"
-#include "trebsweep/archive/map_chunks.hpp"
 #include "trebsweep/archive/map_shape.hpp"
 #include "trebsweep/archive/scene_optimum.hpp"
 #include "trebsweep/archive/tally.hpp"
@@ -83,8 +82,9 @@ void attach_axes(hid_t dataset, const std::vector<hdf5::Dataset>& axes, int rank
           "attach an axis");
 }
 
-/// Creates the datasets of the optima of a study's scenes.
-void create_optima(hid_t file, const std::vector<hdf5::Dataset>& axes, const Study& study) {
+/// Creates the datasets of the optima of a study's scenes, with their values.
+void create_optima(hid_t file, const std::vector<hdf5::Dataset>& axes, const Skeleton& skeleton) {
+  const Study& study = skeleton.study;
   const FieldInfo& objective = info(study.job().optimum.objective);
   const FieldInfo &speed = info(Field::speed), &time = info(Field::release_time);
   struct Description {
@@ -103,12 +103,13 @@ void create_optima(hid_t file, const std::vector<hdf5::Dataset>& axes, const Stu
   for (std::size_t d = 0; d < descriptions.size(); ++d) {
     const std::string name(scene_optimum_names[d]), what = "create " + name;
     const hdf5::Dataspace space(H5Screate_simple(rank, shape.outer().data(), nullptr), what);
-    const hdf5::Properties creation(H5Pcreate(H5P_DATASET_CREATE), what);
-    check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), what);
-    check(H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &SceneOptimum::nan), what);
-    const hdf5::Dataset dataset(
-        H5Dcreate2(file, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT),
-        what);
+    const hdf5::Dataset dataset(H5Dcreate2(file, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                                           H5P_DEFAULT, H5P_DEFAULT),
+                                what);
+    std::vector<double> values;
+    for (const SceneOptimum& optimum : skeleton.optima)
+      values.push_back(std::bit_cast<std::array<double, descriptions.size()>>(optimum)[d]);
+    check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), what);
     attach_axes(dataset, axes, rank);
     hdf5::write_attribute(dataset, "long_name",
                           fmt::format("{}, at the optimum of the scene", descriptions[d].text));
@@ -123,8 +124,15 @@ hdf5::Dataset create_map(hid_t file, const std::vector<hdf5::Dataset>& axes, con
   const MapShape shape(skeleton.study);
   const auto extent = shape.extent();
   const hdf5::Dataspace space(H5Screate_simple(shape.rank(), extent.data(), nullptr), what);
-  const auto properties =
-      map_properties(info, shape.block(skeleton.tiling.edge()), skeleton.compression);
+  const auto chunk = shape.block(skeleton.tiling.edge());
+  const hdf5::Properties properties(H5Pcreate(H5P_DATASET_CREATE), what);
+  check(H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data()), what);
+  check(H5Pset_fill_value(properties, H5T_NATIVE_DOUBLE, &info.fill), what);
+  check(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_INCR), what);
+  if (skeleton.compression > 0) {
+    check(H5Pset_shuffle(properties), what);
+    check(H5Pset_deflate(properties, static_cast<unsigned>(skeleton.compression)), what);
+  }
   hdf5::Dataset dataset(H5Dcreate2(file, info.dataset.c_str(), file_type(info.type), space,
                                    H5P_DEFAULT, properties, H5P_DEFAULT),
                         what);
@@ -162,7 +170,10 @@ hdf5::Dataset create_tile_dataset(hid_t file, const std::string& name, hid_t typ
   const hdf5::Dataspace space(
       H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr), what);
   const hdf5::Properties creation(H5Pcreate(H5P_DATASET_CREATE), what);
+  // The ranks write it independently, so that it must be allocated.
   check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), what);
+  const unsigned char zero = 0;
+  check(H5Pset_fill_value(creation, H5T_NATIVE_UCHAR, &zero), what);
   hdf5::Dataset dataset(
       H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, creation, H5P_DEFAULT), what);
   hdf5::write_attribute(dataset, "long_name", long_name);
@@ -198,101 +209,79 @@ void create_tile_datasets(hid_t file, const Skeleton& skeleton) {
   hdf5::write_attribute(checksums, "columns", fmt::format("{}", fmt::join(columns, " ")));
 }
 
-/// Progress over all maps, from the progress within one.
-ProgressCallback map_progress(const ProgressCallback& progress, std::size_t map, std::size_t maps) {
-  return [=](double fraction) {
-    return progress((static_cast<double>(map) + fraction) / static_cast<double>(maps));
-  };
+/// Writes one cell in each of some chunks of a map.
+void write_cells(hid_t map, double fill, const MapShape& shape, const Tiling& tiling,
+                 const TileRange& tiles) {
+  if (tiles.first == tiles.end) return;
+  const std::string what = "allocate a map";
+  const hdf5::Dataspace space(H5Dget_space(map), what);
+  std::vector<hsize_t> cells;
+  for (std::uint64_t t = tiles.first; t < tiles.end; ++t) {
+    const auto cell = shape.first_cell(tiling.tile(t));
+    cells.insert(cells.end(), cell.begin(), cell.end());
+  }
+  const hsize_t count = tiles.end - tiles.first;
+  check(H5Sselect_elements(space, H5S_SELECT_SET, count, cells.data()), what);
+  const hdf5::Dataspace memory(H5Screate_simple(1, &count, nullptr), what);
+  const std::vector<double> values(count, fill);
+  check(H5Dwrite(map, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()), what);
 }
 
-/// Allocates all chunks of a compressed map, or the first chunk of an uncompressed one. Returns
-/// false if stopped.
-bool allocate_first(hid_t map, const MapInfo& info, const Skeleton& skeleton,
-                    const ProgressCallback& progress) {
-  const Tiling& tiling = skeleton.tiling;
+void write_cells(hid_t file, const Skeleton& skeleton, const TileRange& tiles) {
   const MapShape shape(skeleton.study);
-  if (skeleton.compression == 0)
-    return allocate_uncompressed(map, info.fill, shape, tiling, {0, 1}, progress);
-  const auto properties = map_properties(info, shape.block(tiling.edge()), skeleton.compression);
-  return allocate_compressed(map, empty_chunk(properties, info), shape, tiling, progress);
-}
-
-/// Creates the file, with all chunks of compressed maps and the first chunk of uncompressed ones.
-/// HDF5 1.10 hangs if the first chunk of a compressed map is allocated in parallel; if that of an
-/// uncompressed one is, it allocates the chunks without designs as well. Returns nothing if
-/// stopped.
-std::optional<RunId> create_file(const std::filesystem::path& path, const Skeleton& skeleton,
-                                 const ProgressCallback& progress) {
-  const std::string what = "create " + path.string();
-  const hdf5::Properties creation(H5Pcreate(H5P_FILE_CREATE), what);
-  // Freed space is never reused. A compressed chunk moves when it is written, and the index that a
-  // killed run leaves may still hold its old address, which must still hold the old chunk.
-  check(H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_NONE, false, 1), what);
-  hdf5::File file(H5Fcreate(path.c_str(), H5F_ACC_EXCL, creation, H5P_DEFAULT), what);
-  check(H5Fflush(file, H5F_SCOPE_GLOBAL), what);  // writes the signature
-  auto axes = create_axes(file, skeleton.study);
-  for (std::size_t m = 0; m < skeleton.maps.size(); ++m) {
-    const MapInfo& info = skeleton.maps[m];
-    const auto map = create_map(file, axes, info, skeleton);
-    if (!allocate_first(map, info, skeleton, map_progress(progress, m, skeleton.maps.size())))
-      return std::nullopt;
-  }
-  if (is_study(skeleton.study.job())) create_optima(file, axes, skeleton.study);
-  create_tile_datasets(file, skeleton);
-  const RunId run_id = write_run_id(file, path);
-  write_attributes(file, skeleton.attributes);
-  axes.clear();
-  check(H5Fflush(file, H5F_SCOPE_GLOBAL), what);
-  file.close(what);
-  return run_id;
-}
-
-/// Allocates the remaining chunks of uncompressed maps. Through the MPI driver, with which HDF5
-/// does not fill a chunk that it allocates: otherwise one rank would write the whole archive while
-/// the others wait. Returns false if stopped.
-bool allocate_rest(const std::filesystem::path& path, const Skeleton& skeleton,
-                   const ProgressCallback& progress) {
-  hdf5::File file = hdf5::open_parallel(path, MPI_COMM_SELF);
-  for (std::size_t m = 0; m < skeleton.maps.size(); ++m) {
-    const MapInfo& info = skeleton.maps[m];
-    const hdf5::Dataset map = hdf5::open_dataset(file, info.dataset);
-    if (!allocate_uncompressed(map, info.fill, MapShape(skeleton.study), skeleton.tiling,
-                               {1, skeleton.tiling.size()},
-                               map_progress(progress, m, skeleton.maps.size())))
-      return false;
-  }
-  file.close("close " + path.string());
-  return true;
+  for (const MapInfo& info : skeleton.maps)
+    write_cells(hdf5::open_dataset(file, info.dataset), info.fill, shape, skeleton.tiling, tiles);
 }
 
 }  // namespace
 
-std::uintmax_t minimum_size(const Skeleton& skeleton) {
-  const Study& study = skeleton.study;
-  const MapShape shape(study);
-  const auto chunk = shape.block(skeleton.tiling.edge());
-  // Bytes per chunk in full nodes of HDF5's B-tree.
-  const std::uintmax_t index_entry = 8 * (chunk.size() + 1) + 17;
-  // In tile_done, tile_tally and tile_checksum.
-  std::uintmax_t bytes_per_tile =
-      1 + sizeof(TallyRow) +
-      checksum_columns(skeleton.maps, is_study(skeleton.study.job())).size() *
-          sizeof(std::uint64_t);
-  for (const MapInfo& info : skeleton.maps)
-    bytes_per_tile +=
-        index_entry + empty_chunk(map_properties(info, chunk, skeleton.compression), info).size();
-  std::uintmax_t numbers =
-      is_study(skeleton.study.job()) ? study.scenes() * scene_optimum_names.size() : 0;
-  for (const hsize_t values : shape.extent()) numbers += values;
-  return numbers * sizeof(double) + skeleton.tiling.size() * bytes_per_tile;
+void create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton) {
+  hdf5::silence();
+  const std::string what = "create " + path.string();
+  hdf5::File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), what);
+  auto axes = create_axes(file, skeleton.study);
+  for (const MapInfo& info : skeleton.maps) create_map(file, axes, info, skeleton);
+  if (is_study(skeleton.study.job())) create_optima(file, axes, skeleton);
+  create_tile_datasets(file, skeleton);
+  write_attributes(file, skeleton.attributes);
+  axes.clear();
+  file.close(what);
 }
 
-std::optional<RunId> create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
-                                     const ProgressCallback& progress) {
-  const auto run_id = create_file(path, skeleton, progress);
-  const bool complete =
-      run_id && (skeleton.compression > 0 || allocate_rest(path, skeleton, progress));
-  return complete ? run_id : std::nullopt;
+void allocate_chunks(const std::filesystem::path& path, const Skeleton& skeleton) {
+  {
+    // Without MPI: through it, HDF5 1.10 to 1.14 allocate every chunk of a map that has none, also
+    // those without designs; and 1.10.8 hangs when several ranks write compressed chunks that are
+    // not allocated, because it takes them for one.
+    const std::string what = "open " + path.string();
+    hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), what);
+    write_cells(file, skeleton, {0, skeleton.compression > 0 ? skeleton.tiling.size() : 1});
+    file.close(what);
+  }
+  if (skeleton.compression > 0) return;
+  // The others through MPI, where HDF5 does not fill a chunk before it is written: otherwise one
+  // rank would write the whole archive while the others wait.
+  hdf5::File file = hdf5::open_parallel(path, MPI_COMM_SELF);
+  write_cells(file, skeleton, {1, skeleton.tiling.size()});
+  file.close("close " + path.string());
+}
+
+std::uint64_t bytes_in(const Tile& tile, const std::vector<MapInfo>& maps) {
+  std::uint64_t bytes = 0;
+  for (const MapInfo& map : maps) bytes += tile.block.cells() * H5Tget_size(file_type(map.type));
+  return bytes;
+}
+
+NeededSpace needed_space(const Study& study, const Tiling& tiling, const std::vector<MapInfo>& maps,
+                         int compression) {
+  constexpr std::uintmax_t record_header = 40;
+  const Tile whole{0, {{}, tiling.edge()}};  // a chunk is stored whole
+  NeededSpace needed{0, 0};
+  for (std::uint64_t t = 0; t < tiling.size(); ++t)
+    needed.journals += record_header + sizeof(Tally) + bytes_in(tiling.tile(t), maps);
+  if (compression == 0) needed.archive = tiling.size() * (bytes_in(whole, maps) + sizeof(TallyRow));
+  if (is_study(study.job())) needed.archive += study.scenes() * sizeof(SceneOptimum);
+  return needed;
 }
 
 }  // namespace trebsweep

@@ -73,6 +73,12 @@ double Summary::utilisation() const {
   return lane_steps == 0 ? 0 : static_cast<double>(steps) / static_cast<double>(lane_steps);
 }
 
+std::optional<Optimum> optimum_at(const BestCell& best, const Study& study) {
+  if (!best.exists()) return std::nullopt;
+  const auto [scene, design] = study.design(best.cell);
+  return Optimum{design, best.value, best.speed, best.release_time, scene};
+}
+
 Summary to_summary(const Tally& tally, const Study& study) {
   Summary summary;
   summary.statuses = tally.statuses;
@@ -80,10 +86,7 @@ Summary to_summary(const Tally& tally, const Study& study) {
   summary.lane_steps = tally.lane_steps;
   summary.integration_seconds = tally.integration_seconds;
   summary.sweep_seconds = tally.sweep_seconds;
-  if (tally.best_cell != no_cell) {
-    const auto [scene, design] = study.design(tally.best_cell);
-    summary.optimum = {design, tally.best_value, tally.best_speed, tally.best_time, scene};
-  }
+  summary.optimum = optimum_at(tally.best, study);
   for (const std::uint64_t cell : tally.first_cells) {
     if (cell == no_cell) continue;
     const auto [scene, design] = study.design(cell);

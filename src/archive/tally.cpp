@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
-#include <tuple>
 
 namespace trebsweep {
 
@@ -19,13 +18,8 @@ void Tally::add(const SwingResult& result, std::uint64_t cell, double value) {
   std::uint64_t& first = first_cells[static_cast<std::size_t>(result.status)];
   first = std::min(first, cell);
   steps += result.steps;
-  const bool is_better = value > best_value || (value == best_value && cell < best_cell);
-  if (is_better && has_speed(result.status) && std::isfinite(value)) {
-    best_value = value;
-    best_speed = result.speed;
-    best_time = result.release_time;
-    best_cell = cell;
-  }
+  const BestCell candidate{value, result.speed, result.release_time, cell};
+  if (has_speed(result.status) && std::isfinite(value) && candidate > best) best = candidate;
 }
 
 void Tally::add(const Tally& other) {
@@ -37,12 +31,7 @@ void Tally::add(const Tally& other) {
   lane_steps += other.lane_steps;
   integration_seconds += other.integration_seconds;
   sweep_seconds += other.sweep_seconds;
-  if (std::tuple(-other.best_value, other.best_cell) < std::tuple(-best_value, best_cell)) {
-    best_value = other.best_value;
-    best_speed = other.best_speed;
-    best_time = other.best_time;
-    best_cell = other.best_cell;
-  }
+  if (other.best > best) best = other.best;
 }
 
 TallyRow to_row(const Tally& tally) {
@@ -50,10 +39,10 @@ TallyRow to_row(const Tally& tally) {
   TallyRow row{};
   const std::array rest{static_cast<double>(tally.steps),
                         static_cast<double>(tally.lane_steps),
-                        tally.best_value,
-                        tally.best_speed,
-                        tally.best_time,
-                        cell(tally.best_cell),
+                        tally.best.value,
+                        tally.best.speed,
+                        tally.best.release_time,
+                        cell(tally.best.cell),
                         tally.integration_seconds,
                         tally.sweep_seconds};
   static_assert(2 * status_names.size() + rest.size() == tally_columns.size());
@@ -81,10 +70,10 @@ Tally to_tally(const TallyRow& row) {
   for (std::uint64_t& status : tally.statuses) status = count();
   tally.steps = count();
   tally.lane_steps = count();
-  tally.best_value = row[column++];
-  tally.best_speed = row[column++];
-  tally.best_time = row[column++];
-  tally.best_cell = cell();
+  tally.best.value = row[column++];
+  tally.best.speed = row[column++];
+  tally.best.release_time = row[column++];
+  tally.best.cell = cell();
   tally.integration_seconds = row[column++];
   tally.sweep_seconds = row[column++];
   for (std::uint64_t& first : tally.first_cells) first = cell();

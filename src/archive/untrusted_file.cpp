@@ -36,10 +36,4 @@ std::string read_text(hid_t file, const std::string& name) {
   return text;
 }
 
-std::uint64_t count_done(const std::vector<double>& done) {
-  const auto is_not_done = [](double flag) { return flag != 1; };
-  return static_cast<std::uint64_t>(std::find_if(done.begin(), done.end(), is_not_done) -
-                                    done.begin());
-}
-
 }  // namespace trebsweep::untrusted

@@ -75,13 +75,11 @@ hdf5::Dataset open_uncached(hid_t file, const std::string& name) {
 /// What tiles of a study have in the column best.
 std::vector<std::uint64_t> best_checksums(hid_t file, const MapShape& shape, const Tiling& tiling,
                                           const TileRange& tiles) {
-  const std::uint64_t first_scene = tiling.tile(tiles.first).scene;
-  const std::uint64_t scenes = tiling.tile(tiles.end - 1).scene - first_scene + 1;
-  const auto optima = read_optima(file, shape.outer(), first_scene, scenes);
-  std::vector<std::uint64_t> checksums(tiles.end - tiles.first, 0);
-  for (std::uint64_t n = 0; n < scenes; ++n) {
-    const std::uint64_t last = tiling.of_scene(first_scene + n).end - 1;
-    if (last < tiles.end) checksums[last - tiles.first] = checksum(optima[n]);
+  const auto optima = read_optima(file, shape.outer());
+  std::vector<std::uint64_t> checksums;
+  for (std::uint64_t t = tiles.first; t < tiles.end; ++t) {
+    const std::uint64_t scene = tiling.tile(t).scene;
+    checksums.push_back(t + 1 == tiling.of_scene(scene).end ? checksum(optima[scene]) : 0);
   }
   return checksums;
 }

@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <iterator>
 
+#include "trebsweep/archive/archive_format.hpp"
 #include "trebsweep/archive/hdf5.hpp"
+#include "trebsweep/archive/output_path.hpp"
 #include "trebsweep/archive/output_state.hpp"
 #include "trebsweep/archive/partial.hpp"
 #include "trebsweep/assess/assessment_tables.hpp"

@@ -15,12 +15,6 @@ std::uint64_t min(std::uint64_t value, MPI_Comm comm) {
   return value;
 }
 
-void sum_on_root(void* values, std::size_t count, MPI_Datatype type, MPI_Comm comm) {
-  const bool root = rank(comm) == 0;
-  MPI_Reduce(root ? MPI_IN_PLACE : values, root ? values : nullptr, static_cast<int>(count), type,
-             MPI_SUM, 0, comm);
-}
-
 }  // namespace
 
 int rank(MPI_Comm comm) {
@@ -51,14 +45,6 @@ double max(double value, MPI_Comm comm) {
 void sum(std::span<std::uint64_t> values, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_UINT64_T, MPI_SUM,
                 comm);
-}
-
-void sum_on_root(std::span<double> values, MPI_Comm comm) {
-  sum_on_root(values.data(), values.size(), MPI_DOUBLE, comm);
-}
-
-void sum_on_root(std::span<std::uint64_t> values, MPI_Comm comm) {
-  sum_on_root(values.data(), values.size(), MPI_UINT64_T, comm);
 }
 
 std::string text_of_root(MPI_Comm comm, const std::function<std::string()>& f) {

@@ -127,6 +127,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   line.json = given.count("json") > 0;
   line.flight = given.count("flight") > 0;
   line.verify = given.count("verify") > 0;
+  if (given.count("snapshot")) line.snapshot = text_of(given, "snapshot");
   if (given.count("progress")) line.progress = to_progress(text_of(given, "progress"));
   if (given.count("time-limit"))
     line.time_limit = to_seconds("time-limit", text_of(given, "time-limit"));

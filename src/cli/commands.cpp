@@ -36,14 +36,9 @@ void print_summary(const Summary& summary, const Job& job) {
 }
 
 void print_stopped(const Summary& summary, bool overwrite) {
-  if (summary.partial_created)
-    print_message(fmt::format(
-        "trebsweep: stopped with {} designs done; the same command continues the sweep{}\n",
-        summary.designs(), overwrite ? ", without --overwrite" : ""));
-  else
-    print_message(
-        "trebsweep: stopped before the archive was created; the same command starts the "
-        "sweep again\n");
+  print_message(fmt::format(
+      "trebsweep: stopped with {} designs done; the same command continues the sweep{}\n",
+      summary.designs(), overwrite ? ", without --overwrite" : ""));
 }
 
 void run_trace(const CommandLine& line) {
@@ -129,6 +124,7 @@ void run_serial(const CommandLine& line) {
       return print_result(fmt::format("{}\nkernel: {}\n", version_text(), instruction_set()));
     case Command::info:
       if (line.verify) return verify_archive(line.file, line.progress, stdout);
+      if (!line.snapshot.empty()) return write_snapshot(line.file, line.snapshot);
       return print_result(describe_archive(line.file));
     case Command::trace:
       return run_trace(line);

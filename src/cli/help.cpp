@@ -108,15 +108,17 @@ that xarray can open.
 )";
 
 const char* const info_help =
-    R"(Usage: trebsweep info FILE [--verify]
+    R"(Usage: trebsweep info FILE [--verify | --snapshot PATH]
 
-Prints a description of an archive, complete or partial: its progress, the number
-of designs of each status, the optimum so far, its provenance and its job. If
-FILE does not exist, FILE.partial is described.
+Prints a description of an archive, or of an unfinished sweep, FILE.partial: its
+progress, the number of designs of each status, the optimum so far, its
+provenance and its job. If FILE does not exist, FILE.partial is described.
 
-With --verify, reads all maps instead and compares each tile that is done with
-the checksum stored when it was computed. Prints the maps and tiles that are
-damaged; the exit code is then 1.
+With --verify, reads all maps instead and compares each tile with its checksums.
+Prints the maps and tiles that are damaged; the exit code is then 1.
+
+With --snapshot, writes what is done of an unfinished sweep as an archive. Designs
+that are not done are NaN there.
 
 )";
 

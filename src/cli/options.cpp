@@ -63,7 +63,8 @@ po::options_description command_options(Command command) {
       add("flight", "print the flight from the release to the ground instead of the swing");
       break;
     case Command::info:
-      add("verify", "compare every tile that is done with its checksum");
+      add("verify", "compare every tile with its checksums");
+      add("snapshot", text("PATH"), "write what is done of an unfinished sweep as an archive");
       add("progress", text("STYLE"),
           "progress of --verify on stderr: auto (default), bar, lines or none");
       break;

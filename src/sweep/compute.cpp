@@ -128,9 +128,8 @@ void share_lane_steps(std::uint64_t lane_steps, std::vector<ComputedTile>& tiles
 
 }  // namespace
 
-std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>& tiles,
-                                                 const Study& study,
-                                                 const std::function<bool()>& stop) {
+std::vector<ComputedTile> compute(const std::vector<NumberedTile>& tiles, const Study& study,
+                                  const std::function<bool()>& stop) {
   const Job& job = study.job();
   // Slices take at most about 0.2 s, since slow designs can take minutes per tile. Small ones stay
   // in the cache.
@@ -140,10 +139,15 @@ std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>
   for (std::size_t t = 0; t < tiles.size(); ++t)
     for (const Field field : stored_fields(job.output))
       computed[t].maps.emplace_back(tiles[t].tile.block.cells(), fill_value(field));
-  const std::vector<Row> rows = rows_of(tiles, study);
+  std::vector<Row> rows = rows_of(tiles, study);
+  std::size_t begun = 0;  // tiles
   Slice slice(job);
   for (std::size_t row = 0, taken = 0; row < rows.size();) {
-    if (stop()) return std::nullopt;
+    if (begun > 0 && stop()) {
+      computed.resize(begun);
+      rows.erase(std::ranges::lower_bound(rows, begun, {}, &Row::tile), rows.end());
+      if (row == rows.size()) break;
+    }
     slice.designs.clear();
     const auto parts = fill(slice, rows, row, taken, count, study);
     const Scene scene = scene_at(job, parts.front().scene);
@@ -151,6 +155,7 @@ std::optional<std::vector<ComputedTile>> compute(const std::vector<NumberedTile>
     lane_steps += slice.integrate(scene, job.solver);
     count = std::min(next_count(count, MPI_Wtime() - start, 0.2), max_count);
     const std::vector<double> values = objectives(slice.batch(), job);
+    begun = parts.back().tile + 1;
     std::size_t n = 0;
     for (const Row& part : parts) {
       store(study, slice.batch().slice(n, part.count), std::span(values).subspan(n, part.count),

@@ -1,27 +1,33 @@
 #include "trebsweep/sweep/sweep.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
 
 #include "trebsweep/archive/archive_writer.hpp"
+#include "trebsweep/archive/free_space.hpp"
+#include "trebsweep/archive/hdf5.hpp"
+#include "trebsweep/archive/output_path.hpp"
 #include "trebsweep/archive/output_state.hpp"
 #include "trebsweep/archive/partial.hpp"
-#include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
+#include "trebsweep/base/version.hpp"
 #include "trebsweep/sweep/archive_metadata.hpp"
 #include "trebsweep/sweep/best_designs.hpp"
 #include "trebsweep/sweep/compute.hpp"
-#include "trebsweep/sweep/damaged_tiles.hpp"
 #include "trebsweep/sweep/measured_error.hpp"
-#include "trebsweep/sweep/rounds.hpp"
+#include "trebsweep/sweep/rank_results.hpp"
 #include "trebsweep/sweep/schedule.hpp"
+#include "trebsweep/sweep/sweep_work.hpp"
 #include "trebsweep/sweep/warnings.hpp"
 #include "trebsweep/swing/kernel.hpp"
 
 namespace trebsweep {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// What every stage of a sweep uses.
 struct Context {
@@ -31,13 +37,13 @@ struct Context {
   MPI_Comm comm;
 };
 
-/// The state of a sweep before its first round.
+/// The state of a sweep before its first tile.
 struct Start {
   bool complete = false;  ///< the archive of this job already exists
-  bool resumes = false;   ///< a partial archive of this job exists
+  bool resumes = false;   ///< an unfinished sweep of this job exists
+  std::size_t runs = 0;   ///< of the unfinished sweep
   Index3 tile_edge{};
-  double design_seconds = 0;     ///< to integrate a design; 0: not measured
-  std::uint64_t tiles_done = 0;  ///< by earlier runs
+  double design_seconds = 0;  ///< to integrate a design; 0: not measured
 };
 
 /// Only rank 0 reports progress.
@@ -55,7 +61,7 @@ void check_kernels(MPI_Comm comm) {
         "their results differ in the last digits; use nodes of one kind");
 }
 
-/// Takes the tiles of an existing partial archive, or chooses those of a new one. For rank 0 only.
+/// Takes the tiles of an unfinished sweep, or chooses those of a new one. For rank 0 only.
 Start find_start(const Context& context, const OutputState& output) {
   const Study& study = context.study;
   Start start;
@@ -63,7 +69,7 @@ Start find_start(const Context& context, const OutputState& output) {
   start.resumes = output.partial.has_value();
   if (start.resumes) {
     start.tile_edge = output.partial->tile_edge;
-    start.tiles_done = output.partial->tiles_done;
+    start.runs = output.partial->history.size();
   } else if (context.options.tile_edge) {
     start.tile_edge = *context.options.tile_edge;
   } else if (!start.complete) {
@@ -76,92 +82,43 @@ Start find_start(const Context& context, const OutputState& output) {
   return start;
 }
 
-/// The results of the tiles done by earlier runs, except those that are damaged.
-SweepResults earlier_results(const ArchiveContents& partial, const Study& study,
-                             const Tiling& tiling, const std::vector<TileRange>& damaged) {
-  partial.tally(damaged);  // checks them
-  SweepResults results{std::vector<Tally>(study.scenes()), partial.optima};
-  for (std::uint64_t t = 0; t < partial.tiles_done; ++t) {
-    const auto holds = [&](const TileRange& range) { return range.first <= t && t < range.end; };
-    if (std::ranges::none_of(damaged, holds))
-      results.tallies[tiling.tile(t).scene].add(to_tally(partial.tallies[t]));
-  }
-  return results;
-}
-
-/// Verifies the tiles done by earlier runs and prepares the partial archive for this run;
-/// collective. `to_compute` becomes the damaged tiles and those not done, and `results`, on rank 0,
-/// those of the intact ones. Returns the id of this run.
-RunId resume(const Context& context, const OutputState& output, const std::filesystem::path& path,
-             const Tiling& tiling, std::uint64_t tiles_done, std::vector<TileRange>& to_compute,
-             SweepResults& results) {
-  const std::filesystem::path partial = partial_path(path);
-  const auto maps = map_infos(context.study.job().output);
-  require_visible(partial, context.comm);
-  Progress progress(0, tiles_done, progress_style(context), "tiles verified");
-  const auto damaged = damaged_tiles(partial, maps, context.study, tiling, tiles_done, progress,
-                                     context.options.stop, context.comm);
-  to_compute = damaged;
-  to_compute.push_back({tiles_done, tiling.size()});
-  RunId run_id{};
-  mpi::on_root(context.comm, [&] {
-    if (!damaged.empty())
-      print_message(fmt::format(
-          "warning: of the {} tiles done, these are damaged and will be computed again: "
-          "{}\n",
-          tiles_done, to_text(damaged)));
-    results = earlier_results(*output.partial, context.study, tiling, damaged);
-    run_id = continue_partial(path, context.study, tiling, maps, to_compute, context.history);
-  });
-  return mpi::from_root(run_id, context.comm);
-}
-
-/// Verifies all tiles after damaged ones were computed again: where the index of a map is damaged,
-/// they may have been written over others. Returns false if any rank was stopped. Throws
-/// mpi::RootError if a tile is damaged. Collective.
-bool verify_repairs(const Context& context, const std::filesystem::path& partial,
-                    const Tiling& tiling) {
-  Progress progress(0, tiling.size(), progress_style(context), "tiles verified");
-  const auto damaged =
-      damaged_tiles(partial, map_infos(context.study.job().output), context.study, tiling,
-                    tiling.size(), progress, context.options.stop, context.comm);
-  if (!damaged.empty())
-    throw mpi::RootError(
-        fmt::format("{}: damaged: of its tiles, these are not as they were written: {}; it cannot "
-                    "be continued: remove it, or start again with --overwrite",
-                    partial.string(), to_text(damaged)));
-  return mpi::max(context.options.stop() ? 1 : 0, context.comm) == 0;
-}
-
-/// Creates the partial archive; collective. Returns the id of this run, or nothing if stopped.
-std::optional<RunId> create(const Context& context, const std::filesystem::path& path,
-                            const Tiling& tiling, const std::string& replaces) {
+/// Creates the folder of a new sweep, or adds this run to the history of an earlier one. For rank
+/// 0.
+void open_folder(const Context& context, const OutputState& output, const Start& start,
+                 const Tiling& tiling) {
   const Job& job = context.study.job();
-  const auto attributes = root_attributes(job, context.history, replaces);
-  const auto maps = map_infos(job.output);
-  Progress progress(0, tiling.size(), progress_style(context), "tiles created");
-  const auto watch = [&](double share) {
-    progress.update(static_cast<std::uint64_t>(share * static_cast<double>(tiling.size())));
-    return context.options.stop();
-  };
-  return create_partial(path, {context.study, tiling, maps, job.output.compression, attributes},
-                        watch, context.comm);
-}
-
-/// The tally of all scenes, which rank 0 has; collective.
-Tally total(const SweepResults& results, MPI_Comm comm) {
-  return mpi::from_root(results.total(), comm);
+  const fs::path folder = partial_path(output.path);
+  PartialSweep sweep =
+      output.partial.value_or(PartialSweep{.job = to_text(job),
+                                           .source = version_text(),
+                                           .kernel = std::string(instruction_set()),
+                                           .numerics = numerics_version,
+                                           .tile_edge = start.tile_edge,
+                                           .replaces = output.replaces,
+                                           .history = {}});
+  sweep.history.push_back(context.history);
+  if (!start.resumes) remove_partial(folder);
+  write_partial_sweep(folder, sweep);
+  if (start.resumes) return;
+  try {
+    const auto [archive, journals] =
+        needed_space(context.study, tiling, map_infos(job.output), job.output.compression);
+    require_space(job, unfinished_archive(folder), archive, archive + journals);
+  } catch (...) {
+    remove_partial(folder);
+    throw;
+  }
 }
 
 /// The optimum between the designs of the lattice: of a study that of the best scene, otherwise
 /// found now on rank 0. Collective.
 std::optional<RefinedOptimum> refined(const Context& context, const Summary& summary,
-                                      const SweepResults& results) {
+                                      const RankResults& results) {
   const Job& job = context.study.job();
   if (!job.optimum.refine || !summary.optimum) return std::nullopt;
   std::optional<RefinedOptimum> found;
   mpi::on_root(context.comm, [&] {
-    found = is_study(job) ? best_refined(job, results.optima)
+    found = is_study(job) ? best_refined(job, results.optima())
                           : context.options.refine(job, summary.optimum->design);
   });
   return mpi::from_root(found, context.comm);
@@ -169,27 +126,24 @@ std::optional<RefinedOptimum> refined(const Context& context, const Summary& sum
 
 /// Checks designs of some of the scenes; collective. Returns nothing if any rank was stopped.
 std::optional<std::vector<ErrorSample>> check_scenes(const Context& context, const Summary& summary,
-                                                     const SweepResults& results) {
+                                                     const RankResults& results) {
   const Study& study = context.study;
   const auto scenes = scenes_to_check(study, summary);
   const double seconds =
       std::max(1.0, 0.01 * summary.sweep_seconds / static_cast<double>(scenes.size()));
   std::vector<ErrorSample> samples;
   for (const std::uint64_t scene : scenes) {
-    Tally tally;
-    if (mpi::rank(context.comm) == 0) tally = results.tallies[scene];
-    const auto optimum = to_summary(mpi::from_root(tally, context.comm), study).optimum;
-    auto sample =
-        check_scene(study, scene, optimum, summary, seconds, context.options.stop, context.comm);
+    auto sample = check_scene(study, scene, optimum_at(results.best()[scene], study), summary,
+                              seconds, context.options.stop, context.comm);
     if (!sample) return std::nullopt;
     samples.push_back(std::move(*sample));
   }
   return samples;
 }
 
-/// Adds to the summary of a complete sweep what is known after its last round. Collective; returns
-/// false if any rank was stopped.
-bool conclude(const Context& context, const SweepResults& results, Summary& summary) {
+/// Adds to the summary of a complete sweep what is known once all tiles are done. Collective;
+/// returns false if any rank was stopped.
+bool conclude(const Context& context, const RankResults& results, Summary& summary) {
   std::vector<ErrorSample> samples;
   if (context.study.job().solver.check) {
     auto checked = check_scenes(context, summary, results);
@@ -198,11 +152,35 @@ bool conclude(const Context& context, const SweepResults& results, Summary& summ
   }
   summary.error = measured_error(samples, summary.optimum ? summary.optimum->scene : 0);
   summary.refined = refined(context, summary, results);
-  summary.optima = results.optima;
+  summary.optima = results.optima();
   const auto best = best_designs(context.study, summary, context.options.stop, context.comm);
   if (!best) return false;
   summary.warnings = warnings(context.study, summary, *best, samples);
   return true;
+}
+
+/// Writes the archive and gives it its final name; collective.
+void finish(const Context& context, const OutputState& output, const fs::path& path,
+            const Tiling& tiling, RankResults& results, Summary& summary) {
+  const Job& job = context.study.job();
+  const fs::path folder = partial_path(path), file = unfinished_archive(folder);
+  const double start = MPI_Wtime();
+  const auto maps = map_infos(job.output);
+  std::vector<std::string> history;
+  mpi::on_root(context.comm, [&] { history = read_partial_sweep(folder).history; });
+  Attributes attributes =
+      root_attributes(job, fmt::format("{}", fmt::join(history, "\n")), summary);
+  const Skeleton skeleton{context.study,          tiling,     maps,
+                          job.output.compression, attributes, summary.optima};
+  write_archive(file, skeleton, results.tiles(), context.comm);
+  mpi::on_root(context.comm, [&] {
+    summary.sweep_seconds += MPI_Wtime() - start;
+    hdf5::File archive(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open " + file.string());
+    hdf5::write_attribute(archive, "sweep_seconds", summary.sweep_seconds);
+    archive.close("write " + file.string());
+    rename_to_final(file, path, output.replaces);
+    remove_partial(folder);
+  });
 }
 
 }  // namespace
@@ -214,57 +192,48 @@ std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Co
   const auto ranks = static_cast<std::uint64_t>(mpi::size(comm));
   const Context context{study, options, history_line(options.command, ranks), comm};
 
-  OutputState output;    // on rank 0 only; holds the archive's lock
-  SweepResults results;  // on rank 0 only
+  OutputState output;  // on rank 0 only; holds the archive's lock
   Start start;
-  const std::filesystem::path path = mpi::text_of_root(comm, [&] {
+  const fs::path path = mpi::text_of_root(comm, [&] {
     output = open_or_resume(job, options.overwrite);
     start = find_start(context, output);
-    results.tallies.resize(study.scenes());
-    if (is_study(job)) results.optima.resize(study.scenes());
     return output.path.string();
   });
   start = mpi::from_root(start, comm);
   if (start.complete) return std::nullopt;
 
   const Tiling tiling(study, start.tile_edge);
-  std::vector<TileRange> to_compute{{0, tiling.size()}};
-  std::optional<RunId> run_id;
-  if (start.resumes)
-    run_id = resume(context, output, path, tiling, start.tiles_done, to_compute, results);
-  else
-    run_id = create(context, path, tiling, output.replaces);
-  if (!run_id) {
-    Summary summary;
-    summary.complete = false;
-    summary.partial_created = false;
-    return summary;
+  const fs::path folder = partial_path(path);
+  mpi::on_root(comm, [&] { open_folder(context, output, start, tiling); });
+  try {
+    require_visible(folder, comm);
+  } catch (const mpi::RootError&) {
+    if (mpi::rank(comm) == 0 && !start.resumes) remove_partial(folder);
+    throw;
   }
 
-  const std::filesystem::path partial = partial_path(path);
-  require_visible(partial, comm);
-  ArchiveWriter archive(path, map_infos(job.output), study, comm);
-  const bool repairs = to_compute.front().first < start.tiles_done;
-  const RoundContext rounds{.study = study,
-                            .tiling = tiling,
-                            .partial = partial,
-                            .run_id = *run_id,
-                            .design_seconds = start.design_seconds,
-                            .start_time = start_time,
-                            .progress = progress_style(context),
-                            .refine = options.refine,
-                            .stop = options.stop,
-                            .comm = comm};
-  const bool computed = run_rounds(rounds, to_compute, archive, results);
-
-  Summary summary = to_summary(total(results, comm), study);
-  // A stop may have left tiles of earlier runs unverified.
-  summary.complete = computed && mpi::max(options.stop() ? 1 : 0, comm) == 0 &&
-                     conclude(context, results, summary);
-  if (summary.complete) archive.write(result_attributes(summary));
-  archive.close();
-  if (summary.complete && repairs) summary.complete = verify_repairs(context, partial, tiling);
-  if (summary.complete) mpi::on_root(comm, [&] { finish_partial(path, *run_id, output.replaces); });
+  RankResults results(folder, start.runs, start_time, study, tiling, comm);
+  const WorkContext work{.study = study,
+                         .tiling = tiling,
+                         .design_seconds = start.design_seconds,
+                         .start_time = start_time,
+                         .progress = progress_style(context),
+                         .refine = options.refine,
+                         .stop = options.stop,
+                         .comm = comm};
+  bool complete = compute_tiles(work, results);
+  results.combine_tallies(comm);
+  if (complete) {
+    results.combine_best(comm);
+    complete = find_scene_optima(work, results);
+    results.combine_optima(comm);
+  }
+  Summary summary = to_summary(results.tally(), study);
+  summary.complete = complete && conclude(context, results, summary);
+  if (summary.complete)
+    finish(context, output, path, tiling, results, summary);
+  else
+    mpi::on_all(comm, [&] { results.sync(); });
   return summary;
 }
 

@@ -15,21 +15,18 @@ void create_unfinished(const std::filesystem::path& path, const SmallStudy& smal
       {"scene", std::string("a scene")},   {"source", std::string("trebsweep 0")},
       {"kernel", std::string("a kernel")}, {"history", std::string("a run")},
       {"refined_error", trebsweep::nan},   {"error_designs", 0ULL}};
-  const std::vector<MapInfo> maps;
-  create_partial(path, {small.study, small.tiling, maps, 0, attributes}, never_stop,
-                 MPI_COMM_WORLD);
-  ArchiveWriter archive(path, maps, small.study, MPI_COMM_WORLD);
-  std::vector<TallyRow> tallies;
+  std::vector<TileResults> tiles;
   for (std::uint64_t t = 0; t < done; ++t) {
     const auto [scene, block] = small.tiling.tile(t);
-    Tally tally;
-    tally.add({static_cast<double>(t), 1, 1, Status::released},
-              small.study.cell(scene, block.first), static_cast<double>(t));
-    tallies.push_back(to_row(tally));
+    TileResults& tile = tiles.emplace_back(TileResults{t, {}, {}});
+    tile.tally.add({static_cast<double>(t), 1, 1, Status::released},
+                   small.study.cell(scene, block.first), static_cast<double>(t));
   }
-  archive.write_optima(0, std::vector{optimum_of(0), optimum_of(1)});
-  archive.checkpoint(0, tallies, std::vector<std::uint64_t>(done, 0));
-  close(archive, path);
+  std::vector<SceneOptimum> optima(small.study.scenes());
+  optima[0] = optimum_of(0);
+  optima[1] = optimum_of(1);
+  const std::vector<MapInfo> maps;
+  write_archive(path, {small.study, small.tiling, maps, 0, attributes, optima}, tiles);
 }
 
 Job job_without_maps() {
@@ -50,8 +47,8 @@ TEST_CASE("The contents of a study's archive are its axes, optima and tallies") 
   const SmallStudy small(job_without_maps());
   const std::uint64_t done = small.tiling.of_scene(1).end + 2;
   const TemporaryFile file("contents");
-  create_unfinished(file.path(), small, done);
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  create_unfinished(file.path(), small, done);
   const ArchiveContents contents = read_contents(file.path());
   CHECK(contents.axes == small.study.axes());
   CHECK(contents.outer_axes == std::vector<std::vector<double>>{{50, 75, 100}, {1.5, 1.7}});
@@ -64,15 +61,14 @@ TEST_CASE("The contents of a study's archive are its axes, optima and tallies") 
   const Tally tally = contents.tally();
   CHECK(tally.designs() == done);
   const Tile last = small.tiling.tile(done - 1);
-  CHECK(tally.best_cell == small.study.cell(2, last.block.first));
-  CHECK(contents.tally(std::vector<TileRange>{{2, done}}).designs() == 2);
+  CHECK(tally.best.cell == small.study.cell(2, last.block.first));
 }
 
 TEST_CASE("An archive whose outer axes are not those of its job has no tiles") {
   const SmallStudy small(job_without_maps());
   const TemporaryFile file("contents_of_another");
-  create_unfinished(file.path(), small, 1);
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  create_unfinished(file.path(), small, 1);
   const ArchiveContents contents = read_contents(file.path());
   CHECK_THROWS_WITH(contents.tiling(Study(changed(small.study.job()))), contains("outer axes"));
   CHECK_THROWS_WITH(contents.tiling(Study(job_of_one_scene())), contains("outer axes"));
@@ -81,8 +77,8 @@ TEST_CASE("An archive whose outer axes are not those of its job has no tiles") {
 TEST_CASE("An archive without the optima that its job asks for is damaged") {
   const SmallStudy small(job_without_maps());
   const TemporaryFile file("contents_without_optima");
-  create_unfinished(file.path(), small, 1);
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  create_unfinished(file.path(), small, 1);
   {
     const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open");
     hdf5::check(H5Ldelete(opened, "best_error", H5P_DEFAULT), "remove");

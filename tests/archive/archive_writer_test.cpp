@@ -1,5 +1,7 @@
 #include "trebsweep/archive/archive_writer.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "support/catch.hpp"
@@ -47,12 +49,7 @@ TEST_CASE("On any number of ranks every value is stored in its cell, in all form
     for (const int compression : {0, 4})
       for (const MapType type : {MapType::float64, MapType::float32}) {
         const TemporaryFile file("archive");
-        ArchiveWriter archive = create_archive(file.path(), small, two_maps(type), compression);
-        write_all(archive, small);
-        archive.write({{"best_speed", 17.5}});
-        CHECK_FALSE(std::filesystem::exists(file.path()));
-        close(archive, file.path());
-        CHECK_FALSE(std::filesystem::exists(partial_path(file.path())));
+        write_all(file.path(), small, two_maps(type), compression);
         if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
         const auto header = read_archive_header(file.path());
         REQUIRE(header);
@@ -70,38 +67,20 @@ TEST_CASE("The optima of a study's scenes are stored over the outer axes, with o
   const std::vector<hsize_t> outer{3, 2};
   for (const auto& maps : {two_maps(MapType::float64), std::vector<MapInfo>{}}) {
     const TemporaryFile file("archive_optima");
-    ArchiveWriter archive = create_archive(file.path(), small, maps, 0);
-    write_all(archive, small, maps.size());
-    close(archive, file.path());
+    write_all(file.path(), small, maps, 0);
     if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
     CHECK(read_map(file.path(), "projectile_mass") == std::vector<double>{50, 75, 100});
     CHECK(read_map(file.path(), "fulcrum_height") == std::vector{1.5, 1.7});
     CHECK(read_map(file.path(), "best_r3")[3] == optimum_of(3).r3);
     const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
-    const auto optima = read_optima(opened, outer, 0, 6);
+    const auto optima = read_optima(opened, outer);
     REQUIRE(optima.size() == 6);
     for (std::uint64_t scene = 0; scene < 6; ++scene)
       CHECK(is_same(optima[scene], optimum_of(scene)));
     CHECK_FALSE(optima[2].exists());
-    CHECK_THROWS_WITH(read_optima(opened, {2, 3}, 0, 6), contains("extent of best_value"));
+    CHECK_THROWS_WITH(read_optima(opened, {2, 3}), contains("extent of best_value"));
     CHECK(H5Lexists(opened, "number", H5P_DEFAULT) == (maps.empty() ? 0 : 1));
   }
-}
-
-TEST_CASE("Several scenes' optima are written at once") {
-  const SmallStudy small(job_of_six_scenes());
-  const TemporaryFile file("archive_some_optima");
-  ArchiveWriter archive = create_archive(file.path(), small, {}, 0);
-  archive.write_optima(1, std::vector{optimum_of(1), optimum_of(3), optimum_of(4)});
-  archive.write_optima(5, {});
-  close(archive, file.path());
-  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
-  const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
-  const auto optima = read_optima(opened, {3, 2}, 0, 6);
-  for (const std::uint64_t scene : {0, 4, 5}) CHECK_FALSE(optima[scene].exists());
-  CHECK(is_same(optima[1], optimum_of(1)));
-  CHECK(is_same(optima[2], optimum_of(3)));
-  CHECK(is_same(optima[3], optimum_of(4)));
 }
 
 TEST_CASE("Axes and optima of a study have units and descriptions, an archive of one scene none") {
@@ -109,9 +88,7 @@ TEST_CASE("Axes and optima of a study have units and descriptions, an archive of
   job.optimum.objective = Field::range;
   const TemporaryFile study("archive_of_study"), single("archive_of_scene");
   for (const auto& [file, of] : {std::pair{&study, job}, {&single, job_of_one_scene()}}) {
-    const SmallStudy small(of);
-    ArchiveWriter archive = create_archive(file->path(), small, {}, 0);
-    close(archive, file->path());
+    write_all(file->path(), SmallStudy(of), {}, 0);
   }
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
   const hdf5::File file(H5Fopen(study.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
@@ -134,14 +111,25 @@ TEST_CASE("Tiles that were not written hold fill values and are not marked done"
   for (const SmallStudy& small : small_studies())
     for (const int compression : {0, 1})
       for (const MapType type : {MapType::float64, MapType::float32}) {
-        const TemporaryFile file("archive_empty");
-        ArchiveWriter archive = create_archive(file.path(), small, two_maps(type), compression);
-        close(archive, file.path());
-        if (mpi::rank(MPI_COMM_WORLD) == 0) {
-          for (const double x : read_map(file.path(), "number")) REQUIRE(std::isnan(x));
-          for (const double x : read_map(file.path(), "flag")) REQUIRE(x == 0);
-          CHECK(read_map(file.path(), "tile_done") == std::vector<double>(small.tiling.size(), 0));
-        }
+        const TemporaryFile file("archive_some_tiles");
+        if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+        const auto maps = two_maps(type);
+        const Tile tile = small.tiling.tile(1);
+        auto values = values_of(small, tile);
+        const auto bytes = to_bytes(Tally{}, values, maps);
+        const std::array tiles{to_tile_results({RecordKind::tile, 1, bytes})};
+        const auto attributes = some_attributes();
+        const auto optima = optima_of(small);
+        write_archive(file.path(),
+                      {small.study, small.tiling, maps, compression, attributes, optima}, tiles);
+        std::vector<double> done(small.tiling.size(), 0);
+        done[1] = 1;
+        CHECK(read_map(file.path(), "tile_done") == done);
+        auto numbers = read_map(file.path(), "number"), flags = read_map(file.path(), "flag");
+        for (auto* of : {&numbers, &values[0]})
+          std::erase_if(*of, [](double x) { return std::isnan(x); });
+        CHECK(numbers == values[0]);
+        CHECK(std::ranges::count(flags, 2) == std::ssize(numbers));
       }
 }
 
@@ -149,10 +137,7 @@ TEST_CASE("Chunks entirely outside the lattice are never allocated") {
   for (const SmallStudy& small : small_studies())
     for (const int compression : {0, 1}) {
       const TemporaryFile file("archive_chunks");
-      ArchiveWriter archive =
-          create_archive(file.path(), small, two_maps(MapType::float64), compression);
-      write_all(archive, small);
-      close(archive, file.path());
+      write_all(file.path(), small, two_maps(MapType::float64), compression);
       if (mpi::rank(MPI_COMM_WORLD) == 0) {
         const hsize_t chunks = allocated_chunks(file.path(), "number");
         CHECK(chunks == small.tiling.size());
@@ -161,4 +146,40 @@ TEST_CASE("Chunks entirely outside the lattice are never allocated") {
               small.study.scenes() * ((n[0] + 3) / 4) * ((n[1] + 2) / 3) * ((n[2] + 4) / 5));
       }
     }
+}
+
+TEST_CASE("The results of a tile are the same after they were stored as bytes") {
+  const SmallStudy small;
+  const auto maps = two_maps(MapType::float64);
+  const Tile tile = small.tiling.tile(2);
+  Tally tally;
+  tally.add({3, 2, 1, Status::released}, 7, 5);
+  const auto values = values_of(small, tile);
+  const auto bytes = to_bytes(tally, values, maps);
+  const Record record{RecordKind::tile, 2, bytes};
+  CHECK(fits(record, tile, maps));
+  CHECK_FALSE(fits(record, tile, {}));
+  const TileResults results = to_tile_results(record);
+  CHECK(to_row(results.tally) == to_row(tally));
+  const auto numbers = std::as_bytes(std::span(values[0]));
+  CHECK(std::ranges::equal(results.values.first(numbers.size()), numbers));
+  CHECK(results.values.back() == std::byte{static_cast<unsigned char>(values[1].back())});
+}
+
+TEST_CASE("The sizes of journals and archive are known before they are written") {
+  const SmallStudy small;
+  const auto maps = two_maps(MapType::float64);
+  std::uintmax_t records = 0;
+  for (std::uint64_t t = 0; t < small.tiling.size(); ++t)
+    records += 40 + sizeof(Tally) + small.tiling.tile(t).block.cells() * 9;
+  const TemporaryFile file("archive_size");
+  write_all(file.path(), small, maps, 0);
+  const auto size = static_cast<double>(std::filesystem::file_size(file.path()));
+  const auto [archive, journals] = needed_space(small.study, small.tiling, maps, 0);
+  const double metadata = 40000;  // bytes, whatever the size of the lattice
+  CHECK(journals == records);
+  CHECK(static_cast<double>(archive) <= size);
+  CHECK(static_cast<double>(archive) + metadata >= size);
+  CHECK(needed_space(small.study, small.tiling, maps, 1).archive == 0);
+  MPI_Barrier(MPI_COMM_WORLD);
 }

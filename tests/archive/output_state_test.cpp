@@ -42,45 +42,62 @@ TEST_CASE("A path without a file is locked and otherwise left unchanged") {
   CHECK(fs::is_empty(directory.path));
 }
 
-TEST_CASE("A file that is not an unfinished sweep is never replaced") {
-  for (const std::string suffix : {".partial", ".partial.new", ".lock"}) {
+TEST_CASE("A file or folder that is not of this program is never replaced") {
+  for (const std::string suffix : {".partial", ".new", ".lock"}) {
     const TemporaryDirectory directory;
     const Job job = job_in(directory.path / "a.h5");
     const fs::path other = job.output.file + suffix;
     const auto refused = [&](const std::string& word) {
-      for (const bool overwrite : {false, true}) {
-        CHECK_THROWS_AS(open_or_resume(job, overwrite), InputError);
-        CHECK_THROWS_WITH(open_or_resume(job, overwrite), contains(other) && contains(word));
-      }
+      for (const bool overwrite : {false, true})
+        for (const auto open : {open_or_resume, reserve_output}) {
+          if (suffix == ".new" && open == open_or_resume && word == "exists and ") continue;
+          CHECK_THROWS_AS(open(job, overwrite), InputError);
+          CHECK_THROWS_WITH(open(job, overwrite), contains(other) && contains(word));
+        }
     };
     std::ofstream(other) << "precious";
-    refused("exists and ");
+    refused(suffix == ".partial" ? "is a file" : "exists and ");
     CHECK(fs::file_size(other) == 8);
     fs::rename(other, directory.path / "precious.txt");
     fs::create_symlink("precious.txt", other);
     refused("is a symbolic link");
     fs::remove(other);
     fs::create_directory(other);
-    refused("is a directory");
-    fs::remove(other);
+    std::ofstream(other / "precious.txt") << "precious";
+    refused(suffix == ".partial" ? "unfinished sweep" : "is a directory");
+    fs::remove_all(other);
     REQUIRE(mkfifo(other.c_str(), 0600) == 0);
     refused("is a FIFO");
   }
 }
 
-TEST_CASE("A file that a killed run was creating does not block the next run") {
+TEST_CASE("What a killed run was creating does not block the next run") {
   const TemporaryDirectory directory;
   const Job job = job_in(directory.path / "a.h5");
+  fs::create_directory(directory.path / "a.h5.partial");
+  std::ofstream(directory.path / "a.h5.partial/sweep.json.new") << "{";
+  CHECK(open_or_resume(job, false).lock);
+  fs::remove_all(directory.path / "a.h5.partial");
+
   const std::string hdf5 = "\x89HDF\r\n\x1a\nand more";
   for (const std::string& start : {std::string(), hdf5}) {
-    std::ofstream(directory.path / "a.h5.partial.new") << start;
+    std::ofstream(directory.path / "a.h5.new") << start;
     std::ofstream(directory.path / "a.h5.lock") << "trebsweep lock: process 1 on nowhere";
-    CHECK(open_or_resume(job, false).lock);
+    CHECK(reserve_output(job, false).lock);
   }
   // Without the stale lock of a killed run, the file may belong to somebody else.
-  std::ofstream(directory.path / "a.h5.partial.new") << hdf5;
+  std::ofstream(directory.path / "a.h5.new") << hdf5;
   for (const bool overwrite : {false, true})
-    CHECK_THROWS_WITH(open_or_resume(job, overwrite), contains("not left by an interrupted run"));
+    CHECK_THROWS_WITH(reserve_output(job, overwrite), contains("not left by an interrupted run"));
+}
+
+TEST_CASE("A folder with journals but without a description is refused") {
+  const TemporaryDirectory directory;
+  fs::create_directory(directory.path / "a.h5.partial");
+  std::ofstream(directory.path / "a.h5.partial/0000-00000.journal") << "results";
+  for (const bool overwrite : {false, true})
+    CHECK_THROWS_WITH(open_or_resume(job_in(directory.path / "a.h5"), overwrite),
+                      contains("damaged; move it away"));
 }
 
 TEST_CASE("A symbolic link is followed, dangling or not") {

@@ -26,14 +26,14 @@ TEST_CASE("Tallies of parts, stored and read back, add up to the tally of the wh
   }
   for (const Tally& part : parts) sum.add(to_tally(to_row(part)));
   CHECK(to_row(sum) == to_row(whole));
-  CHECK(sum.best_cell == 9);
-  CHECK(sum.best_value == -5);
-  CHECK(sum.best_speed == 9);
-  CHECK(sum.best_time == 18);
+  CHECK(sum.best.cell == 9);
+  CHECK(sum.best.value == -5);
+  CHECK(sum.best.speed == 9);
+  CHECK(sum.best.release_time == 18);
   CHECK(sum.first_cells[static_cast<std::size_t>(Status::released)] == 1);
   CHECK(sum.first_cells[static_cast<std::size_t>(Status::not_released)] == 0);
   CHECK(sum.first_cells[static_cast<std::size_t>(Status::non_finite)] == no_cell);
-  CHECK(to_tally(to_row(Tally{})).best_cell == no_cell);
+  CHECK(to_tally(to_row(Tally{})).best.cell == no_cell);
 }
 
 TEST_CASE("A design without a release, or without a finite objective, is not the best") {
@@ -43,9 +43,9 @@ TEST_CASE("A design without a release, or without a finite objective, is not the
   for (const double value : {no_value, infinity, -infinity})
     tally.add({99, 1, 1, Status::released}, 1, value);
   CHECK(tally.designs() == 4);
-  CHECK(tally.best_cell == no_cell);
+  CHECK(tally.best.cell == no_cell);
   tally.add({3, 1, 1, Status::released_below_ground}, 7, -1e300);
-  CHECK(tally.best_cell == 7);
+  CHECK(tally.best.cell == 7);
 }
 
 TEST_CASE("Rows with invalid counts are refused") {

@@ -1,12 +1,12 @@
 #include "trebsweep/archive/verify.hpp"
 
-#include <bit>
 #include <fstream>
 #include <iterator>
 #include <utility>
 
 #include "support/catch.hpp"
 #include "support/small_archive.hpp"
+#include "trebsweep/archive/map_shape.hpp"
 
 using namespace trebsweep;
 
@@ -49,9 +49,7 @@ TEST_CASE("Verification finds the damaged maps of each tile, and nothing in an i
         const TemporaryFile file("verify");
         const TileRange all{0, small.tiling.size()};
         const auto maps = two_maps(type);
-        ArchiveWriter archive = create_archive(file.path(), small, maps, compression);
-        write_all(archive, small);
-        close(archive, file.path());
+        write_all(file.path(), small, maps, compression);
         if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
         const auto find = [&](const TileRange& tiles) {
           return find_damage(file.path(), maps, small.study, small.tiling, tiles);
@@ -78,9 +76,7 @@ TEST_CASE("A damaged optimum of a scene belongs to the scene's last tile, with o
   const TileRange all{0, small.tiling.size()};
   for (const auto& maps : {two_maps(MapType::float64), std::vector<MapInfo>{}}) {
     const TemporaryFile file("verify_optima");
-    ArchiveWriter archive = create_archive(file.path(), small, maps, 0);
-    write_all(archive, small, maps.size());
-    close(archive, file.path());
+    write_all(file.path(), small, maps, 0);
     if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
     CHECK(checksum_columns(maps, true)[maps.size()] == "best");
     const auto find = [&](const TileRange& tiles) {
@@ -89,19 +85,22 @@ TEST_CASE("A damaged optimum of a scene belongs to the scene's last tile, with o
     CHECK(find(all).empty());
     for (const std::uint64_t scene : {1, 5})
       for (std::size_t d = 0; d < scene_optimum_names.size(); ++d) {
-        auto members = std::bit_cast<std::array<double, 7>>(optimum_of(scene));
+        const std::string name(scene_optimum_names[d]);
+        auto values = read_map(file.path(), name);
         const auto write = [&] {
           const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open");
-          write_optima(opened, scene, std::vector{std::bit_cast<SceneOptimum>(members)});
+          hdf5::check(H5Dwrite(hdf5::open_dataset(opened, name), H5T_NATIVE_DOUBLE, H5S_ALL,
+                               H5S_ALL, H5P_DEFAULT, values.data()),
+                      "write");
         };
-        const double intact = std::exchange(members[d], 1000);
+        const double intact = std::exchange(values[scene], 1000);
         write();
         const auto damage = find(all);
         REQUIRE(damage.size() == 1);
         CHECK(damage[0].tile == small.tiling.of_scene(scene).end - 1);
         CHECK(damage[0].column == maps.size());
         CHECK(find({0, damage[0].tile}).empty());
-        members[d] = intact;
+        values[scene] = intact;
         write();
       }
   }
@@ -112,9 +111,7 @@ TEST_CASE("What HDF5 cannot read is damaged") {
   const TileRange all{0, small.tiling.size()};
   const TemporaryFile file("verify_unreadable");
   const auto maps = two_maps(MapType::float64);
-  ArchiveWriter archive = create_archive(file.path(), small, maps, 0);
-  write_all(archive, small);
-  close(archive, file.path());
+  write_all(file.path(), small, maps, 0);
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
   const std::string intact = read_file(file.path());
   std::string without_indices = intact;

@@ -11,6 +11,7 @@
 
 #include "trebsweep/archive/archive_contents.hpp"
 #include "trebsweep/archive/archive_header.hpp"
+#include "trebsweep/archive/untrusted_file.hpp"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 
@@ -35,8 +36,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
-    trebsweep::read_archive_header(path);
-    trebsweep::read_contents(path).tally();
+    trebsweep::untrusted::read(path, [&] {
+      trebsweep::read_archive_header(path);
+      return trebsweep::read_contents(path).tally();
+    });
   } catch (const std::runtime_error&) {
   }
   return 0;

@@ -959,7 +959,7 @@ class ExistingFiles(CommandTest):
         done = self.run_command(MPIEXEC, "-n", "1", *rank, ":", "-n", "1", "-wdir", self.path("elsewhere"), *rank,
                                 code=None, timeout=60)
         self.assertNotEqual(done.returncode, 0)
-        self.assertIn("rank 1 cannot see seen.h5.partial.new", done.stderr)
+        self.assertIn("rank 1 cannot see seen.h5.partial", done.stderr)
         self.assertEqual([name for name in os.listdir(self.directory) if name.startswith("seen")], [])
 
     def test_a_completed_job_is_not_run_again(self):
@@ -988,26 +988,31 @@ class ExistingFiles(CommandTest):
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "foreign.h5"],
                             "output.file = foreign.h5", "not an archive")
 
-    def test_files_that_are_not_partial_archives_are_kept(self):
+    def test_files_that_are_not_those_of_a_sweep_are_kept(self):
         with h5py.File(self.path("foreign.h5"), "w") as file:
             file.attrs["job"] = "somebody's"
         foreign, job = self.read("foreign.h5"), self.read("job.cfg")
-        for suffix, contents in ((".partial", (b"half of it\n", foreign, job)),
-                                 (".partial.new", (b"notes\n", job)), (".lock", (b"notes\n", foreign))):
+        for suffix, contents, why in ((".partial", (b"half of it\n", foreign, job), "is a file"),
+                                      (".lock", (b"notes\n", foreign), "exists and ")):
             for content in contents:
                 self.write("job.h5" + suffix, content)
                 for overwrite in ([], ["--overwrite"]):
                     self.assert_refused(["sweep", self.job, *COARSE, *overwrite],
-                                        "output.file = job.h5", f"job.h5{suffix} exists and ")
+                                        "output.file = job.h5", f"job.h5{suffix} {why}")
             os.remove(self.path("job.h5" + suffix))
+        os.mkdir(self.path("job.h5.partial"))
+        self.write("job.h5.partial/notes.txt", "precious\n")
+        for overwrite in ([], ["--overwrite"]):
+            self.assert_refused(["sweep", self.job, *COARSE, *overwrite], "job.h5.partial exists and is not an unfinished sweep")
         os.rename(self.job, self.path("x.h5.partial"))
         self.assert_refused(["sweep", "x.h5.partial", "--output.file", "x.h5", "--overwrite"], "x.h5.partial")
 
     def test_directories_and_links_in_the_way_are_kept(self):
-        for suffix in (".partial", ".partial.new", ".lock"):
-            os.mkdir(self.path("job.h5" + suffix))
-            self.assert_refused(["sweep", self.job, *COARSE, "--overwrite"], f"job.h5{suffix} is a directory")
-            os.rmdir(self.path("job.h5" + suffix))
+        for suffix in (".partial", ".new", ".lock"):
+            if suffix != ".partial":
+                os.mkdir(self.path("job.h5" + suffix))
+                self.assert_refused(["sweep", self.job, *COARSE, "--overwrite"], f"job.h5{suffix} is a directory")
+                os.rmdir(self.path("job.h5" + suffix))
             os.symlink("job.cfg", self.path("job.h5" + suffix))
             self.assert_refused(["sweep", self.job, *COARSE, "--overwrite"], f"job.h5{suffix} is a symbolic link")
             os.remove(self.path("job.h5" + suffix))
@@ -1019,15 +1024,14 @@ class ExistingFiles(CommandTest):
     def test_an_output_file_that_is_a_link_is_followed(self):
         os.mkdir(self.path("far"))
         os.symlink("far/away.h5", self.path("job.h5"))
-        self.run_program("sweep", self.job, *COARSE, "--time-limit", "0.001", code=75)
-        self.assertEqual(os.listdir(self.path("far")), [])
+        self.run_program("sweep", self.job, *COARSE, "--time-limit", "1e-9", code=75)
+        self.assertEqual(os.listdir(self.path("far")), ["away.h5.partial"])
+        self.assertIn("far/away.h5.partial, unfinished", self.run_program("info", "job.h5").stdout)
         for options in ([], ["--overwrite"]):
             self.run_program("sweep", self.job, *COARSE, *options)
             self.assertEqual(os.readlink(self.path("job.h5")), "far/away.h5")
             self.assertEqual(os.listdir(self.path("far")), ["away.h5"])
         self.assertIn("job.h5, complete", self.run_program("info", "job.h5").stdout)
-        os.rename(self.path("far/away.h5"), self.path("far/away.h5.partial"))
-        self.assertIn("far/away.h5.partial, complete", self.run_program("info", "job.h5").stdout)
         os.symlink("loop.h5", self.path("loop.h5"))
         self.assert_refused(["sweep", self.job, *COARSE, "--output.file", "loop.h5"], "loop.h5", "Too many levels")
 
@@ -1157,7 +1161,7 @@ class Assess(CommandTest):
         self.assert_refused(["assess", self.job, *self.SMALL, *file], "job.h5", "already exists")
 
     def test_an_assessment_does_not_replace_an_unfinished_sweep(self):
-        self.write("job-assess.h5.partial", "")
+        os.mkdir(self.path("job-assess.h5.partial"))
         self.assert_refused(["assess", self.job, *self.SMALL, "--overwrite"], "unfinished sweep")
 
     def test_info_describes_an_assessment(self):

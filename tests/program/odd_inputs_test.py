@@ -312,6 +312,7 @@ def fill(directory):
     os.mknod(os.path.join(directory, "socket"), 0o600 | stat.S_IFSOCK)
     for name in ["partial_folder.h5.partial", "lock_folder.h5.lock"]:
         os.mkdir(os.path.join(directory, name))
+    write("partial_folder.h5.partial/notes", "precious\n")
     write("partial_text.h5.partial", "precious\n")
     write("lock_text.h5.lock", "precious\n")
     for name, target in [("loop", "loop"), ("link_to_fifo", "fifo"), ("link_to_folder", "folder"),

@@ -22,7 +22,7 @@ inline std::vector<double> read_map(const std::filesystem::path& path, const std
 }
 
 /// A path for an archive in the directory of the test programs, the same on all ranks. The
-/// destructor waits for all ranks and removes the archive and its partial file.
+/// destructor waits for all ranks and removes the archive and the folder of its sweep.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& name)
@@ -31,7 +31,7 @@ class TemporaryFile {
     MPI_Barrier(MPI_COMM_WORLD);
     if (mpi::rank(MPI_COMM_WORLD) != 0) return;
     std::filesystem::remove(path_);
-    std::filesystem::remove(path_.string() + ".partial");
+    std::filesystem::remove_all(path_.string() + ".partial");
   }
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;

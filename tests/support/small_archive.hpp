@@ -1,24 +1,18 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "support/archive_reader.hpp"
 #include "trebsweep/archive/archive_writer.hpp"
-#include "trebsweep/archive/partial.hpp"
 #include "trebsweep/base/mpi.hpp"
 
 namespace trebsweep {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-/// A ProgressCallback that never stops.
-inline bool never_stop(double) { return false; }
 
 /// A job with some hundred designs per scene.
 inline Job job_of_one_scene() { return parse_job("[lattice]\nincrement = 0.1\n", "a.cfg", {}); }
@@ -63,17 +57,6 @@ inline SceneOptimum optimum_of(std::uint64_t scene) {
                     : SceneOptimum{n + 0.1, n + 0.2, n + 0.3, n + 0.4, n + 0.5, n + 0.6, n + 0.7};
 }
 
-/// Creates a partial file without results and opens it; collective.
-inline ArchiveWriter create_archive(const std::filesystem::path& path, const SmallStudy& small,
-                                    const std::vector<MapInfo>& maps, int compression) {
-  const Attributes attributes{{"best_speed", nan},
-                              {"source", std::string("trebsweep 0")},
-                              {"job", std::string("some text")}};
-  create_partial(path, {small.study, small.tiling, maps, compression, attributes}, never_stop,
-                 MPI_COMM_WORLD);
-  return ArchiveWriter(path, maps, small.study, MPI_COMM_WORLD);
-}
-
 /// The values of two_maps() in a tile.
 inline std::vector<std::vector<double>> values_of(const SmallStudy& small, const Tile& tile) {
   std::vector<std::vector<double>> maps(2);
@@ -89,50 +72,43 @@ inline std::vector<std::vector<double>> values_of(const SmallStudy& small, const
   return maps;
 }
 
-/// Writes the optima of the scenes whose last tile is in a range; collective.
-inline void write_optima(ArchiveWriter& archive, const SmallStudy& small, const TileRange& range) {
-  for (std::uint64_t scene = 0; scene < small.study.scenes(); ++scene) {
-    const std::uint64_t last = small.tiling.of_scene(scene).end - 1;
-    if (range.first <= last && last < range.end)
-      archive.write_optima(scene, std::vector{optimum_of(scene)});
-  }
+/// Attributes of an archive that can be recognized, but not read.
+inline Attributes some_attributes() {
+  return {{"best_speed", 17.5},
+          {"source", std::string("trebsweep 0")},
+          {"job", std::string("some text")}};
 }
 
-/// Writes tiles with the first maps of two_maps(), each rank its own, in rounds; collective.
-inline void write_tiles(ArchiveWriter& archive, const SmallStudy& small, const TileRange& range,
-                        std::size_t maps = 2) {
+/// The optima of a study's scenes.
+inline std::vector<SceneOptimum> optima_of(const SmallStudy& small) {
+  std::vector<SceneOptimum> optima;
+  for (std::uint64_t scene = 0; small.has_optima() && scene < small.study.scenes(); ++scene)
+    optima.push_back(optimum_of(scene));
+  return optima;
+}
+
+/// Writes tiles with the first of two_maps(), each rank its own; collective.
+inline void write_tiles(const std::filesystem::path& path, const SmallStudy& small,
+                        const std::vector<MapInfo>& maps, int compression, const TileRange& range,
+                        const Attributes& attributes = some_attributes()) {
   const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
   const auto ranks = static_cast<std::uint64_t>(mpi::size(MPI_COMM_WORLD));
-  const std::size_t columns = maps + (small.has_optima() ? 1 : 0);
-  for (std::uint64_t first = range.first; first < range.end; first += ranks) {
-    const TileRange round{first, std::min(first + ranks, range.end)};
-    std::vector<std::uint64_t> checksums((round.end - first) * columns);
-    if (first + rank < round.end) {
-      const Tile tile = small.tiling.tile(first + rank);
-      auto values = values_of(small, tile);
-      values.resize(maps);
-      const auto of_maps = archive.write(tile, values);
-      std::copy(of_maps.begin(), of_maps.end(), &checksums[columns * rank]);
-      if (small.has_optima() && first + rank + 1 == small.tiling.of_scene(tile.scene).end)
-        checksums[columns * rank + maps] = checksum(optimum_of(tile.scene));
-    } else {
-      archive.write(std::nullopt, {});
-    }
-    mpi::sum_on_root(checksums, MPI_COMM_WORLD);
-    if (small.has_optima()) write_optima(archive, small, round);
-    archive.checkpoint(first, std::vector<TallyRow>(round.end - first), checksums);
+  std::vector<std::vector<std::byte>> bytes;
+  std::vector<TileResults> own;
+  for (std::uint64_t t = range.first + rank; t < range.end; t += ranks) {
+    const auto values = values_of(small, small.tiling.tile(t));
+    bytes.push_back(to_bytes(Tally{}, values, maps));
+    own.push_back(to_tile_results({RecordKind::tile, t, bytes.back()}));
   }
+  const auto optima = optima_of(small);
+  write_archive(path, {small.study, small.tiling, maps, compression, attributes, optima}, own,
+                MPI_COMM_WORLD);
 }
 
 /// Writes every tile; collective.
-inline void write_all(ArchiveWriter& archive, const SmallStudy& small, std::size_t maps = 2) {
-  write_tiles(archive, small, {0, small.tiling.size()}, maps);
-}
-
-/// Closes the archive and gives it its final name; collective.
-inline void close(ArchiveWriter& archive, const std::filesystem::path& path) {
-  archive.close();
-  mpi::on_root(MPI_COMM_WORLD, [&] { std::filesystem::rename(partial_path(path), path); });
+inline void write_all(const std::filesystem::path& path, const SmallStudy& small,
+                      const std::vector<MapInfo>& maps, int compression) {
+  write_tiles(path, small, maps, compression, {0, small.tiling.size()});
 }
 
 }  // namespace trebsweep

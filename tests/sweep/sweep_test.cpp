@@ -106,21 +106,6 @@ TEST_CASE("The lane steps of the tiles add up, and each tile has at least its st
   CHECK(lane_steps == summary->lane_steps);
 }
 
-TEST_CASE("A sweep that is stopped while it verifies earlier tiles is not complete") {
-  const TemporaryFile file("stopped_verifying");
-  Job job = coarse_job(file);
-  job.solver.check = false;
-  SweepOptions options = quiet();
-  REQUIRE(sweep(job, options, MPI_COMM_WORLD)->complete);
-  const auto partial = partial_path(file.path());
-  mpi::on_root(MPI_COMM_WORLD, [&] { std::filesystem::rename(file.path(), partial); });
-  options.overwrite = false;
-  options.stop = [] { return root(); };
-  CHECK_FALSE(sweep(job, options, MPI_COMM_WORLD)->complete);
-  options.stop = [] { return false; };
-  CHECK(sweep(job, options, MPI_COMM_WORLD)->complete);
-}
-
 TEST_CASE("A sweep of one design gives the same optimum on any number of ranks") {
   const TemporaryFile file("single");
   Job job = coarse_job(file);
@@ -209,8 +194,7 @@ TEST_CASE("An existing archive is kept: the same job is complete, another job is
 TEST_CASE("A sweep stopped repeatedly produces bitwise the same maps and the same optimum") {
   const TemporaryFile straight("straight"), stopped("stopped");
   Job job = coarse_job(straight);
-  const int compression = GENERATE(0, 1);
-  job.output.compression = compression;
+  job.output.compression = GENERATE(0, 1);
   job.output.fields = {Field::speed, Field::slack};
   job.output.optimum_filter = GENERATE(OptimumFilter::all, OptimumFilter::taut);
   job.lattice.r1 = AxisRange{0.4, 1.4, 0.1};
@@ -226,20 +210,13 @@ TEST_CASE("A sweep stopped repeatedly produces bitwise the same maps and the sam
   std::uint64_t before = 0;
   int runs = 0;
   do {
-    // The first run is stopped while rank 0 creates the file, the others after a round or two. From
-    // the third on, they first verify the tiles done.
-    const Tiling tiling(Study(job), edge);
-    const int calls_while_creating = compression > 0 ? static_cast<int>(2 * tiling.size()) : 4;
-    int calls_left = runs == 0             ? 3
-                     : runs == 1 && root() ? calls_while_creating + 5
-                     : runs == 1           ? 5
-                     : runs < 5            ? 7
-                                           : 30;  // enough for the check of the error
+    int calls_left = runs < 5 ? 7 : 30;  // in the end enough for the check of the error
     options.stop = [&] { return calls_left-- <= 0; };
-    options.tile_edge = runs < 2 ? edge : Index3{7, 7, 7};  // ignored: the file has its own
+    options.tile_edge = runs < 1 ? edge : Index3{7, 7, 7};  // ignored: the sweep has its own
     summary = sweep(job, options, MPI_COMM_WORLD);
     REQUIRE(summary);
-    CHECK(summary->designs() >= before);
+    // Every run makes progress.
+    CHECK((summary->designs() > before || before == expected->designs()));
     before = summary->designs();
     ++runs;
   } while (!summary->complete && runs < 100);

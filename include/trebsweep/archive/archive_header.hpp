@@ -12,13 +12,11 @@ struct ArchiveHeader {
   std::string job;                          ///< text of the job file
   bool is_sweep;                            ///< otherwise it is an assessment
   std::uint64_t tiles = 0, tiles_done = 0;  ///< of a sweep
-  std::string replaces;  ///< file_identity() of the archive that a partial archive will replace
 
   bool complete() const { return tiles_done == tiles; }
 };
 
-/// Reads the header of a file in one process; nothing if the file is not an archive. Throws
-/// std::system_error as read_contents() does.
+/// Reads the header of a file; nothing if the file is not an archive.
 std::optional<ArchiveHeader> read_archive_header(const std::filesystem::path& path);
 
 }  // namespace trebsweep

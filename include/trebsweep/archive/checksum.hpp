@@ -7,6 +7,6 @@
 namespace trebsweep {
 
 /// The 64-bit XXH3 checksum of bytes.
-std::uint64_t checksum(std::span<const std::byte> bytes);
+std::uint64_t checksum(std::span<const std::byte> bytes, std::uint64_t seed = 0);
 
 }  // namespace trebsweep

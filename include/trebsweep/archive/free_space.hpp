@@ -9,10 +9,11 @@
 namespace trebsweep {
 
 /// Checks that a file of the given size, in bytes, can be created at a path where no file exists,
-/// for the archive of a job. Throws InputError if the disk has less free space, and
-/// std::runtime_error if a quota or the process's file size limit (ulimit -f) forbids it. Leaves no
-/// file behind.
-void require_space(const Job& job, const std::filesystem::path& path, std::uintmax_t bytes);
+/// for the archive of a job, and that the disk has room for `all` bytes. Throws InputError if it
+/// has not, and std::runtime_error if a quota or the process's file size limit (ulimit -f) forbids
+/// it. Leaves no file behind.
+void require_space(const Job& job, const std::filesystem::path& path, std::uintmax_t bytes,
+                   std::uintmax_t all);
 
 /// The limit that keeps a file from growing, worded as the end of a message; empty if unknown.
 std::string reached_limit(const std::filesystem::path& path);

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "trebsweep/archive/archive_contents.hpp"
 #include "trebsweep/archive/file_lock.hpp"
+#include "trebsweep/archive/partial.hpp"
 #include "trebsweep/job/job.hpp"
 
 namespace trebsweep {
@@ -16,8 +16,8 @@ struct OutputState {
   std::filesystem::path path;  ///< of the archive: output.file with symbolic links resolved
   bool complete = false;       ///< the complete archive of this job exists
   std::string replaces;        ///< file_identity() of the archive that the run will replace, if any
-  std::optional<ArchiveContents> partial;  ///< the partial archive of this job, to be resumed
-  std::unique_ptr<FileLock> lock;          ///< held until the archive is finished; none if complete
+  std::optional<PartialSweep> partial;  ///< the unfinished sweep of this job, to be resumed
+  std::unique_ptr<FileLock> lock;       ///< held until the archive is finished; none if complete
 };
 
 /// Inspects and locks the path of a sweep's archive, and changes nothing else. For one rank.

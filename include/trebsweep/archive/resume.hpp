@@ -1,19 +1,20 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
-#include "trebsweep/archive/archive_contents.hpp"
-#include "trebsweep/archive/archive_header.hpp"
+#include "trebsweep/archive/partial.hpp"
 #include "trebsweep/job/job.hpp"
 
 namespace trebsweep {
 
-/// Whether an archive is a sweep whose job produces the same maps in the same format as `job`.
-bool is_same_job(const Job& job, const ArchiveHeader& archive);
+/// Whether the text of a job file that a sweep stored is that of a job with the same results.
+bool is_same_job(const Job& job, const std::string& stored);
 
-/// Reads the partial archive that `job` is to resume. Throws InputError if it belongs to another
-/// job, and std::runtime_error if it is damaged, or was started by another version or with another
-/// kind of floating-point arithmetic: its maps would differ from those of an uninterrupted sweep.
-ArchiveContents read_resumable(const Job& job, const std::filesystem::path& partial);
+/// Throws InputError if a partial sweep belongs to another job than `job`, and std::runtime_error
+/// if it was started with another version of the numerics or another kind of floating-point
+/// arithmetic: its maps would differ from those of an uninterrupted sweep.
+void require_resumable(const Job& job, const std::filesystem::path& folder,
+                       const PartialSweep& partial);
 
 }  // namespace trebsweep

@@ -41,13 +41,8 @@ inline std::uint64_t checksum(const SceneOptimum& optimum) {
 /// The number of the scene with the largest value; nothing if no scene has an optimum.
 std::optional<std::uint64_t> best_scene(std::span<const SceneOptimum> optima);
 
-/// Writes the optima of consecutive scenes, the first of which has the number `first_scene`, to the
-/// datasets of a study's archive. For one rank.
-void write_optima(hid_t file, std::uint64_t first_scene, std::span<const SceneOptimum> optima);
-
-/// The optima of consecutive scenes. Throws std::runtime_error unless the datasets have the given
-/// extents, those of the outer axes.
-std::vector<SceneOptimum> read_optima(hid_t file, const std::vector<hsize_t>& extents,
-                                      std::uint64_t first_scene, std::uint64_t count);
+/// The optima of a study's scenes in its archive. Throws std::runtime_error unless the datasets
+/// have the given extents, those of the outer axes.
+std::vector<SceneOptimum> read_optima(hid_t file, const std::vector<hsize_t>& extents);
 
 }  // namespace trebsweep

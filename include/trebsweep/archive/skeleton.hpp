@@ -1,38 +1,48 @@
 #pragma once
 
+#include <hdf5.h>
+
 #include <cstdint>
 #include <filesystem>
-#include <optional>
+#include <span>
 #include <vector>
 
 #include "trebsweep/archive/archive_format.hpp"
-#include "trebsweep/archive/progress_callback.hpp"
-#include "trebsweep/archive/run_id.hpp"
+#include "trebsweep/archive/scene_optimum.hpp"
 #include "trebsweep/job/tiling.hpp"
 
 namespace trebsweep {
 
-/// An archive before its first design is computed: every dataset and attribute, no results.
+/// Everything in an archive except what a tile has: its values in the maps, its tally and its
+/// checksums.
 struct Skeleton {
   const Study& study;
   const Tiling& tiling;
   const std::vector<MapInfo>& maps;
   int compression;  ///< deflate level, 0 for none
   const Attributes& attributes;
+  std::span<const SceneOptimum> optima;  ///< of a study's scenes
 };
 
-/// A lower bound, in bytes, of the size of the file that create_skeleton() creates; less than one
-/// percent below that of the final archive if the maps are not compressed.
-std::uintmax_t minimum_size(const Skeleton& skeleton);
+/// Creates the file, or replaces it. Cells have the fill values of their maps, and no tile is done.
+/// For one rank. Throws std::runtime_error.
+void create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton);
 
-/// Creates a file with the axes, the maps with all their chunks, the optima of a study's scenes,
-/// the attributes, tile_done, tile_tally, tile_checksum and the id of this run. The chunks are
-/// empty if compressed, undefined otherwise. Nothing in the file moves later except compressed
-/// chunks, so that a killed run leaves it readable. At any time the file is empty or starts with
-/// the HDF5 signature. For one rank, because HDF5 allocates every chunk of a dataset that is
-/// created in parallel, including those without designs. Returns nothing if stopped. Throws
-/// std::runtime_error, for example if the file exists.
-std::optional<RunId> create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
-                                     const ProgressCallback& progress);
+/// Allocates the chunks that hold designs, so that several ranks can write them. For one rank.
+/// Throws std::runtime_error.
+void allocate_chunks(const std::filesystem::path& path, const Skeleton& skeleton);
+
+/// Sizes, bytes.
+struct NeededSpace {
+  std::uintmax_t archive;   ///< 0 if it is compressed, and its size unknown
+  std::uintmax_t journals;  ///< of all ranks
+};
+
+/// The space that a sweep needs, a percent too low at most.
+NeededSpace needed_space(const Study& study, const Tiling& tiling, const std::vector<MapInfo>& maps,
+                         int compression);
+
+/// The size of a tile's values in all maps, bytes.
+std::uint64_t bytes_in(const Tile& tile, const std::vector<MapInfo>& maps);
 
 }  // namespace trebsweep

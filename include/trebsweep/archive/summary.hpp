@@ -57,16 +57,18 @@ struct Summary {
   std::vector<PlacedDesign> first_of_statuses;  ///< the first design of each status that occurs
   std::optional<MeasuredError> error;           ///< nothing if it was not measured
   std::vector<std::string> warnings;            ///< reasons to doubt the result, a line for each
-  double integration_seconds = 0;               ///< sum over rounds of the slowest rank's time
+  double integration_seconds = 0;               ///< the mean of the ranks
   double sweep_seconds = 0;                     ///< integration and writing
   bool complete = true;                         ///< false if the sweep was stopped
-  bool partial_created = true;  ///< false if it was stopped before the partial file existed
 
   std::uint64_t designs() const;
 
   /// The fraction of the lanes' steps in which the lane held a design.
   double utilisation() const;
 };
+
+/// The optimum of a study in its best cell; nothing if there is none.
+std::optional<Optimum> optimum_at(const BestCell& best, const Study& study);
 
 /// The summary of a tally of a study's designs.
 Summary to_summary(const Tally& tally, const Study& study);

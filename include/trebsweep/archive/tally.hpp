@@ -15,33 +15,43 @@ namespace trebsweep {
 /// The index of no design.
 inline constexpr std::uint64_t no_cell = std::numeric_limits<std::int64_t>::max();
 
+/// The best of a set of designs.
+struct BestCell {
+  /// The objective, in the unit of its field; -infinity without a design.
+  double value = -std::numeric_limits<double>::infinity();
+  double speed = std::numeric_limits<double>::quiet_NaN();         ///< m/s
+  double release_time = std::numeric_limits<double>::quiet_NaN();  ///< s
+  std::uint64_t cell = no_cell;  ///< its index in the flattened lattice box, r2 fastest
+
+  bool exists() const { return cell != no_cell; }
+
+  /// Whether it is better than another one. Of equal designs, the first cell is the best.
+  bool operator>(const BestCell& other) const {
+    return value > other.value || (value == other.value && cell < other.cell);
+  }
+};
+
 /// Counts and optimum of a set of designs, such as those of a tile. Tallies of disjoint sets can be
 /// added in any order.
 struct Tally {
   std::array<std::uint64_t, status_names.size()> statuses{};  ///< designs of each Status
   std::uint64_t steps = 0;                                    ///< steps tried, over all designs
   std::uint64_t lane_steps = 0;  ///< steps of all lanes, including idle ones
-  /// The objective of the best design, in the unit of its field; -infinity without one.
-  double best_value = -std::numeric_limits<double>::infinity();
-  double best_speed = std::numeric_limits<double>::quiet_NaN();  ///< of the best design, m/s
-  double best_time = std::numeric_limits<double>::quiet_NaN();   ///< its release time, s
-  std::uint64_t best_cell = no_cell;
+  BestCell best;
   /// The lowest index of a design of each Status.
   std::array<std::uint64_t, status_names.size()> first_cells = [] {
     std::array<std::uint64_t, status_names.size()> cells{};
     cells.fill(no_cell);
     return cells;
   }();
-  /// Wall time of whole rounds on all ranks, s. Only one tile of a round carries it, so that the
-  /// sum over tiles counts each round once.
+  /// The time of its rank, divided by the number of ranks, s: integrating; and in all.
   double integration_seconds = 0, sweep_seconds = 0;
 
   std::uint64_t designs() const;
 
   /// Adds the result of one design. `cell` is its index in the flattened lattice box, r2 fastest,
-  /// and `value` its objective; of designs with equal objectives the one with the lowest index is
-  /// the best. A design without a release, or with an infinite or NaN objective, is counted but
-  /// cannot be the best.
+  /// and `value` its objective. A design without a release, or with an infinite or NaN objective,
+  /// is counted but cannot be the best.
   void add(const SwingResult& result, std::uint64_t cell, double value);
 
   void add(const Tally& other);

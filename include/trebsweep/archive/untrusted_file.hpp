@@ -39,7 +39,4 @@ bool is_printable(const std::string& text);
 /// A text attribute. Throws std::runtime_error if it cannot be printed.
 std::string read_text(hid_t file, const std::string& name);
 
-/// The number of leading tiles that are marked done, from the values of tile_done.
-std::uint64_t count_done(const std::vector<double>& done);
-
 }  // namespace trebsweep::untrusted

@@ -43,16 +43,33 @@ Value from_root(Value value, MPI_Comm comm) {
 double max(double value, MPI_Comm comm);
 void sum(std::span<std::uint64_t> values, MPI_Comm comm);
 
-/// Element-wise sums on rank 0; on the other ranks `values` is unspecified afterwards. Collective.
-void sum_on_root(std::span<double> values, MPI_Comm comm);
-void sum_on_root(std::span<std::uint64_t> values, MPI_Comm comm);
-
 /// Merges arrays whose bytes are zero wherever they belong to another rank. Collective.
 template <class Value>
 void merge(std::span<Value> values, MPI_Comm comm) {
   static_assert(std::is_trivially_copyable_v<Value>);
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size_bytes()), MPI_BYTE,
                 MPI_BOR, comm);
+}
+
+/// Element-wise combine(a, b) of the arrays of all ranks, on all ranks. `Combine` is commutative
+/// and has no state. Collective.
+template <class Value, class Combine>
+void combine(std::span<Value> values, Combine, MPI_Comm comm) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  const auto combine_all = [](void* in, void* in_out, int* count, MPI_Datatype*) {
+    for (int i = 0; i < *count; ++i) {
+      auto& value = static_cast<Value*>(in_out)[i];
+      value = Combine{}(static_cast<const Value*>(in)[i], value);
+    }
+  };
+  MPI_Datatype type;
+  MPI_Type_contiguous(sizeof(Value), MPI_BYTE, &type);
+  MPI_Type_commit(&type);
+  MPI_Op op;
+  MPI_Op_create(combine_all, 1, &op);
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), type, op, comm);
+  MPI_Op_free(&op);
+  MPI_Type_free(&type);
 }
 
 /// Returns f(0), ..., f(n - 1) on every rank; f(i) is computed by rank i % size. Collective.

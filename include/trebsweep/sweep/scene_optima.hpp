@@ -18,14 +18,10 @@ namespace trebsweep {
 using Refine =
     std::function<std::optional<RefinedOptimum>(const Job& job, const Design<double>& design)>;
 
-/// The optima of consecutive scenes of a study, whose tiles are all done. `tallies`, which only
-/// rank 0 needs, are those of the scenes. With optimum.refine, they are those that `refine` finds,
-/// if it finds one. Otherwise they are the best designs of the lattices, and their errors are the
-/// differences of their values from those of integrate_accurately(), or NaN without solver.check.
-/// The ranks share the scenes. Collective; the same on all ranks. Returns nothing once `stop` is
-/// true on any rank. Throws mpi::RootError if `refine` throws.
-std::optional<std::vector<SceneOptimum>> scene_optima(
-    const Study& study, std::uint64_t first, std::uint64_t count, std::span<const Tally> tallies,
-    const Refine& refine, const std::function<bool()>& stop, MPI_Comm comm);
+/// The optimum of a scene of a study, from that of its lattice. `job` is that of the scene alone.
+/// With optimum.refine, it is the one that `refine` finds, if it finds one. Otherwise it is the
+/// best design of the lattice, and its error is the difference of its value from that of
+/// integrate_accurately(), or NaN without solver.check.
+SceneOptimum scene_optimum(const Job& job, const Optimum& optimum, const Refine& refine);
 
 }  // namespace trebsweep

@@ -16,7 +16,7 @@ namespace trebsweep {
 
 /// Options that do not change the results of a sweep.
 struct SweepOptions {
-  bool overwrite = false;  ///< replace an existing archive or partial archive
+  bool overwrite = false;  ///< replace an existing archive or unfinished sweep
   ProgressStyle progress = ProgressStyle::automatic;
   std::string command;                   ///< the command line, for the archive's history
   std::optional<Index3> tile_edge = {};  ///< largest extent of a tile; chosen if not given
@@ -26,11 +26,10 @@ struct SweepOptions {
 
 /// Integrates every design of the job's lattice in every scene, measures the error of the speeds,
 /// and writes the archive; continues an interrupted sweep of the same job. Collective. Returns the
-/// summary, or nothing if the complete archive of this job already exists. Rank 0's is complete;
-/// the others lack `optima`. If `stop` is true on any rank, all ranks stop, and the partial archive
-/// keeps the tiles that are marked done. Throws, on all ranks, InputError if the job or the path of
-/// its archive is invalid, and mpi::RootError if an archive cannot be created or an unfinished
-/// sweep cannot be continued.
+/// summary, or nothing if the complete archive of this job already exists. If `stop` is true on any
+/// rank, all ranks stop after the tiles that they have begun, which their journals keep. Throws, on
+/// all ranks, InputError if the job or the path of its archive is invalid, and mpi::RootError if an
+/// archive cannot be created or an unfinished sweep cannot be continued.
 std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Comm comm);
 
 }  // namespace trebsweep

@@ -1,0 +1,131 @@
+#include "trebsweep/archive/journal.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <numeric>
+#include <string>
+
+#include "support/catch.hpp"
+
+using namespace trebsweep;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A path in the directory of the tests; the destructor removes its file.
+struct TemporaryPath {
+  fs::path path;
+
+  explicit TemporaryPath(const std::string& name) : path(fs::path(TEST_DIR) / name) {
+    fs::remove(path);
+  }
+  ~TemporaryPath() { fs::remove(path); }
+};
+
+/// The results of record n: n bytes.
+std::vector<std::byte> results_of(std::uint64_t n) {
+  std::vector<std::byte> bytes(n);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(n + i);
+  return bytes;
+}
+
+constexpr std::uint64_t records = 20;
+
+/// A journal with records 0 to 19.
+std::vector<std::byte> some_journal(const fs::path& path) {
+  Journal journal(path);
+  for (std::uint64_t n = 0; n < records; ++n) {
+    journal.append({n % 3 == 2 ? RecordKind::scene : RecordKind::tile, n, results_of(n)});
+    if (n == 5) journal.write();
+  }
+  CHECK(journal.unwritten_bytes() > 0);
+  journal.sync();
+  CHECK(journal.unwritten_bytes() == 0);
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// The numbers of the records, which must be intact.
+std::vector<std::uint64_t> numbers_of(const std::vector<Record>& found) {
+  std::vector<std::uint64_t> numbers;
+  for (const auto& [kind, number, results] : found) {
+    CHECK(kind == (number % 3 == 2 ? RecordKind::scene : RecordKind::tile));
+    CHECK(std::ranges::equal(results, results_of(number)));
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+std::vector<std::uint64_t> all_but(std::uint64_t missing) {
+  std::vector<std::uint64_t> numbers(records);
+  std::iota(numbers.begin(), numbers.end(), std::uint64_t{0});
+  std::erase(numbers, missing);
+  return numbers;
+}
+
+}  // namespace
+
+TEST_CASE("The records of a journal are those that were appended, written or not") {
+  const TemporaryPath file("a.journal");
+  Journal journal(file.path);
+  CHECK(journal.records().empty());
+  journal.append({RecordKind::tile, 0, results_of(0)});
+  CHECK_FALSE(fs::exists(file.path));
+  journal.append({RecordKind::tile, 4, results_of(4)});
+  CHECK(numbers_of(journal.records()) == std::vector<std::uint64_t>{0, 4});
+  journal.write();
+  journal.append({RecordKind::scene, 2, results_of(2)});
+  CHECK(numbers_of(journal.records()) == std::vector<std::uint64_t>{0, 4, 2});
+  CHECK(numbers_of(intact_records(MappedFile(file.path).bytes())) ==
+        std::vector<std::uint64_t>{0, 4});
+}
+
+TEST_CASE("A journal that ends within its last record has all others") {
+  const TemporaryPath file("cut.journal");
+  const auto journal = some_journal(file.path);
+  const std::size_t last = 40 + records - 1;
+  for (std::size_t cut = 1; cut <= last; ++cut)
+    CHECK(numbers_of(intact_records(std::span(journal).first(journal.size() - cut))) ==
+          all_but(records - 1));
+  CHECK(intact_records({}).empty());
+}
+
+TEST_CASE("A record in which any bit is flipped is missing, and no other") {
+  const TemporaryPath file("flipped.journal");
+  auto journal = some_journal(file.path);
+  std::size_t end = 0;
+  for (std::uint64_t n = 0; n < records; ++n) {
+    const std::size_t begin = end;
+    end = begin + 40 + n;
+    for (std::size_t bit = 8 * begin; bit < 8 * end; ++bit) {
+      const std::byte flip{static_cast<unsigned char>(1 << bit % 8)};
+      journal[bit / 8] ^= flip;
+      const auto found = numbers_of(intact_records(journal));
+      if (found != all_but(n)) FAIL("bit " << bit);
+      journal[bit / 8] ^= flip;
+    }
+  }
+  CHECK(numbers_of(intact_records(journal)) == all_but(records));
+}
+
+TEST_CASE("A journal never replaces a file") {
+  const TemporaryPath file("existing.journal");
+  std::ofstream(file.path) << "precious";
+  Journal journal(file.path);
+  journal.append({RecordKind::tile, 1, results_of(1)});
+  CHECK_THROWS_WITH(journal.write(), contains("cannot create") && contains("existing.journal"));
+  CHECK(fs::file_size(file.path) == 8);
+  Journal nowhere("/nowhere/a.journal");
+  nowhere.append({RecordKind::tile, 1, results_of(1)});
+  CHECK_THROWS_WITH(nowhere.write(), contains("No such file"));
+}
+
+TEST_CASE("A file that is missing cannot be read, and an empty one has no records") {
+  const TemporaryPath file("missing.journal");
+  CHECK_THROWS_WITH(MappedFile(file.path), contains("cannot read") && contains("missing.journal"));
+  std::ofstream{file.path};
+  CHECK(intact_records(MappedFile(file.path).bytes()).empty());
+}
