@@ -177,9 +177,10 @@ std::vector<Damage> find_damage(const fs::path& path, const std::vector<MapInfo>
 
 /// The part of the lattice, and the scene of a study, that a tile covers.
 std::string extent_text(const Tile& tile, const Study& study) {
-  const auto& [first, count] = tile.block;
+  const Block& block = tile.block;
   const auto range = [&](std::size_t d) {
-    const double low = study.axes()[d][first[d]], high = study.axes()[d][first[d] + count[d] - 1];
+    const double low = study.axes()[d][block.first[d]],
+                 high = study.axes()[d][block.first[d] + block.count[d] - 1];
     return low == high ? fmt::format("{}", low) : fmt::format("{} to {}", low, high);
   };
   const std::string scene = outer_values_text(study.job(), tile.scene);

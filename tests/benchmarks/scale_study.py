@@ -42,7 +42,7 @@ def sweep(directory, ranks, *options):
 
 
 def measure(directory):
-    """Seconds per design on one core, seconds of rank 0 per tile at the end, and bytes per design."""
+    """Seconds per design on one core, seconds per tile at the end, and bytes per design."""
     cores = os.cpu_count()
     work, _ = sweep(directory, cores, "--lattice.increment", "0.004")
     per_design = work["integration_seconds"] * cores / work["designs"]
@@ -84,8 +84,8 @@ def main():
     rates = [float(word) for word in sys.argv[1:]] or [1.0, 10.0, 100.0]
     with tempfile.TemporaryDirectory() as directory:
         per_design, per_tile, per_design_bytes = measure(directory)
-    print(f"measured here: {1e9 * per_design:.0f} ns of a core per design, {1e6 * per_tile:.0f} us of rank 0 per tile at "
-          f"the end, {per_design_bytes:.2f} bytes per design\n")
+    print(f"measured here: {1e9 * per_design:.0f} ns of a core per design, {1e6 * per_tile:.0f} us per tile at the end, "
+          f" {per_design_bytes:.2f} bytes per design\n")
     for name, per_metre in (("1 mm", 1000), ("0.2 mm", 5000)):
         sizes, _ = tile_sizes(per_metre)
         designs = sum(sizes)

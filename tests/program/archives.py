@@ -9,15 +9,14 @@ os.environ["HDF5_USE_FILE_LOCKING"] = "FALSE"
 import h5py  # pylint: disable=wrong-import-position
 
 SECONDS = ("lane_steps", "integration_seconds", "sweep_seconds")  # columns of tile_tally that depend on the run
-# What else depends on the run or its command line.
-DATASETS_OF_RUN = ("run_id",)
-ATTRIBUTES_OF_RUN = ("history", "replaces", "title", "job", "lane_utilisation", "integration_seconds", "sweep_seconds")
+# Attributes that depend on the run or its command line.
+ATTRIBUTES_OF_RUN = ("history", "title", "job", "lane_utilisation", "integration_seconds", "sweep_seconds")
 
 
 def contents(archive):
     """{name: bytes or value} of everything in an archive that does not depend on the run: an attribute is named @name."""
     held = {name: data[...].tobytes() for name, data in archive.items()
-            if name not in (*DATASETS_OF_RUN, "tile_tally", "tile_checksum")}
+            if name not in ("tile_tally", "tile_checksum")}
     columns = archive["tile_tally"].attrs["columns"].split()
     same = [i for i, column in enumerate(columns) if column not in SECONDS]
     held["tile_tally"] = archive["tile_tally"][...][:, same].tobytes()

@@ -21,7 +21,7 @@ struct TileResults {
   std::span<const std::byte> values;  ///< of each map as stored, one map after the other
 };
 
-/// The results of a tile as bytes. `maps` has the values of each map in the tile, r2 fastest.
+/// The results of a tile as bytes. `values` holds the tile's values in each of `maps`, r2 fastest.
 std::vector<std::byte> to_bytes(const Tally& tally, std::span<const std::vector<double>> values,
                                 const std::vector<MapInfo>& maps);
 
@@ -36,9 +36,9 @@ bool fits(const Record& record, const Tile& tile, const std::vector<MapInfo>& ma
 void write_archive(const std::filesystem::path& path, const Skeleton& skeleton,
                    std::span<const TileResults> tiles);
 
-/// Writes an archive, each rank the given tiles of its own. The attributes and optima are taken
-/// from rank 0. Throws mpi::RootError if rank 0 cannot create it, and std::runtime_error on a rank
-/// that cannot write its tiles. Collective.
+/// Writes an archive, each rank the given tiles of its own. The attributes are taken from rank 0;
+/// the optima must be the same on all ranks. Throws mpi::RootError if rank 0 cannot create it, and
+/// std::runtime_error on a rank that cannot write its tiles. Collective.
 void write_archive(const std::filesystem::path& path, const Skeleton& skeleton,
                    std::span<const TileResults> own, MPI_Comm comm);
 

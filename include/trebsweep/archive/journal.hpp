@@ -36,14 +36,14 @@
 // What is lost
 //
 //   a kill during the start    nothing: the next run starts again
-//   a kill during the sweep    what the ranks have computed since they last wrote: two seconds, or
-//                              the tile that takes longer. Written records are in the operating
-//                              system's cache and do not depend on the process.
+//   a kill during the sweep    what the ranks have computed since they last wrote: two seconds and
+//                              the tiles in progress. Written records are in the operating system's
+//                              cache and do not depend on the process.
 //   a stop                     nothing
-//   a kill during the end      nothing that was written to the journals: the next run writes the
-//                              archive again. A sweep of less than two seconds has no journals.
+//   a kill during the end      only records that were still in memory, as during the sweep: the
+//                              next run computes them and writes the archive again
 //   a kill after the renaming  nothing: the next run finds the archive and removes the folder
-//   a full disk                as a kill; the message says so
+//   a full disk                as much as by a kill; a message names the cause
 //   a loss of power            the records that the system has not yet written to the disk (Linux
 //                              waits up to 30 s). They may be damaged or missing, in any order,
 //                              which their checksums show. The archive is complete once it has its

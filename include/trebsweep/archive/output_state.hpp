@@ -20,15 +20,16 @@ struct OutputState {
   std::unique_ptr<FileLock> lock;       ///< held until the archive is finished; none if complete
 };
 
-/// Inspects and locks the path of a sweep's archive, and changes nothing else. For one rank.
-/// `overwrite` permits replacing an archive or a partial archive, but no other file. Throws
+/// Inspects and locks the path of a sweep's archive, and changes nothing else,
+/// except that it removes what is left of a sweep whose archive is complete. For one rank.
+/// `overwrite` permits replacing an archive or an unfinished sweep, but nothing else. Throws
 /// InputError if the path cannot be written, is in use by another process, or if it or a file next
-/// to it (.lock, .partial, .partial.new) holds something else; throws std::runtime_error if the
-/// partial archive of this job cannot be resumed.
+/// to it (.lock, .partial) holds something else; throws std::runtime_error if the unfinished sweep
+/// of this job cannot be resumed.
 OutputState open_or_resume(const Job& job, bool overwrite);
 
 /// Inspects and locks the path of an assessment. For one rank. Throws InputError as
-/// open_or_resume() does, and if a partial archive exists.
+/// open_or_resume() does, and if an unfinished sweep exists.
 OutputState reserve_output(const Job& job, bool overwrite);
 
 }  // namespace trebsweep

@@ -57,8 +57,8 @@ struct Summary {
   std::vector<PlacedDesign> first_of_statuses;  ///< the first design of each status that occurs
   std::optional<MeasuredError> error;           ///< nothing if it was not measured
   std::vector<std::string> warnings;            ///< reasons to doubt the result, a line for each
-  double integration_seconds = 0;               ///< the mean of the ranks
-  double sweep_seconds = 0;                     ///< integration and writing
+  double integration_seconds = 0;               ///< s: mean over the ranks
+  double sweep_seconds = 0;                     ///< s: with writing, likewise
   bool complete = true;                         ///< false if the sweep was stopped
 
   std::uint64_t designs() const;
@@ -67,7 +67,7 @@ struct Summary {
   double utilisation() const;
 };
 
-/// The optimum of a study in its best cell; nothing if there is none.
+/// The design in the best cell of a study as its optimum; nothing if no design qualifies.
 std::optional<Optimum> optimum_at(const BestCell& best, const Study& study);
 
 /// The summary of a tally of a study's designs.

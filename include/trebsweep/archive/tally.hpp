@@ -44,7 +44,8 @@ struct Tally {
     cells.fill(no_cell);
     return cells;
   }();
-  /// The time of its rank, divided by the number of ranks, s: integrating; and in all.
+  /// The wall time that a rank spent on them, divided by the number of ranks, s: in integrating,
+  /// and in all. Sums over all designs are thus means over the ranks.
   double integration_seconds = 0, sweep_seconds = 0;
 
   std::uint64_t designs() const;

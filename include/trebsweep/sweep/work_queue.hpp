@@ -11,8 +11,9 @@ namespace trebsweep {
 
 /// Numbers 0, ..., size - 1 that the ranks of a communicator share out by claiming some at a time,
 /// each when it is free. Rank 0 answers the others' claims, each of which asks for its next numbers
-/// before it begins with those that it has. Messages, not a counter in a window: Open MPI 4.1 has
-/// none across hosts that are connected by TCP and share memory as well.
+/// before it begins with those that it has. It uses messages rather than a counter in an RMA
+/// window, because Open MPI 4.1 cannot create a window if its ranks communicate through both shared
+/// memory and TCP.
 ///
 /// The constructor, finish() and the destructor are collective.
 class WorkQueue {
@@ -30,7 +31,7 @@ class WorkQueue {
   /// Answers other ranks' claims. Rank 0 calls it often.
   void answer();
 
-  /// Numbers that nobody has claimed yet are left.
+  /// Withdraws the numbers that are not claimed yet.
   void close();
 
   /// Waits until no rank claims numbers any more.
