@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 
 from job import job_text
-from lattice import lattice_in_box, tiles_with_designs, whole_lattice
+from lattice import read_lattices
 
 AXES = ("r1", "r3", "r2")
 WHOLE_LATTICE = (slice(None),) * len(AXES)
@@ -60,7 +60,7 @@ def limited_cpu_time(seconds=20):
 class Archive:
     """An archive opened for reading.
 
-    Only the dataset tile_done decides what is complete: cells of tiles that are not done read as
+    A tile is done if it has designs in the dataset tile_designs: the cells of other tiles read as
     NaN (maps of numbers) or 0 (maps of flags), whatever the file holds there.
 
     The archive of a study has outer axes. scene() selects one of its scenes, and the result behaves
@@ -80,7 +80,7 @@ class Archive:
         with limited_cpu_time():
             self.file = open_archive(path)
             with reading(path, "is damaged"):
-                missing = [name for name in (*AXES, "tile_done") if name not in self.file]
+                missing = [name for name in (*AXES, "tile_block") if name not in self.file]
                 if missing:
                     fail(f"{path}: is not an archive of trebsweep: it has no {missing[0]}")
                 self.attributes = dict(self.file.attrs)
@@ -97,10 +97,7 @@ class Archive:
                     item, h5py.Dataset) and item.shape == (*self.outer_shape, *self.shape)]
                 if not self.fields and self.job.get(("output", "maps")) != "none":
                     raise ValueError("it has no map of its lattice")
-                self.done = self.tile_done = self.file["tile_done"][...] == 1
-                self.edge = tuple(int(self.file["tile_done"].attrs[f"edge_{name}"])
-                                  for name in AXES)
-                self._number_tiles()
+                self._read_tiles()
                 if not self.in_study:
                     self._enter_scene()
         if not self.in_study:
@@ -114,37 +111,30 @@ class Archive:
             raise ValueError(f"{name} is not an axis of increasing values")
         return values
 
-    def _number_tiles(self):
-        """Finds the different lattices of the scenes, that of each scene, and its first tile."""
-        if min(self.edge) < 1 or self.done.ndim != 1 or not self.done.size:
-            raise ValueError("tile_done has invalid tiles")
-        heights = ("fulcrum-height", "release-height", "counterweight-hanger")
-        values, self.lattice_of = np.unique(
-            [self.scene_values(key).ravel() for key in heights], axis=1, return_inverse=True)
-        if self.in_study:
-            self.lattices = [lattice_in_box(
-                {**self.job, **{("scene", key): x for key, x in zip(heights, column)}}, self.box)
-                for column in values.T]
-        else:
-            self.lattices = [whole_lattice(self.job, self.box)]
-        tiles = np.array([np.count_nonzero(tiles_with_designs(lattice, self.shape, self.edge))
-                          for lattice in self.lattices])
-        self.first_tile = np.concatenate([[0], np.cumsum(tiles[self.lattice_of.ravel()])])
-        if self.first_tile[-1] != self.done.size:
-            raise ValueError(f"tile_done has {self.done.size} tiles instead of "
-                             f"{self.first_tile[-1]}")
+    def _read_tiles(self):
+        """Reads the tiles, which are done, the lattices of the scenes, and their first tiles."""
+        blocks = self.file["tile_block"][...].astype(np.int64)
+        self.done = self.tile_done = self.file["tile_designs"][...].any(axis=1)
+        of_scene, self.tile_first, count = blocks[:, 0], blocks[:, 1:4], blocks[:, 4:]
+        self.edge = tuple(count.max(axis=0))
+        self.first_tile = np.searchsorted(of_scene, np.arange(self.scenes.size + 1))
+        if len(self.done) != len(blocks) or (np.diff(of_scene) < 0).any() or (count < 1).any() or (
+                of_scene[-1] >= self.scenes.size or (self.tile_first + count > self.shape).any()):
+            raise ValueError("tile_block has invalid tiles")
+        self.lattices = read_lattices(self.file)
+        self.lattice_of = self.file["scene_lattice"][...].astype(np.int64)
 
     def _enter_scene(self):
         """Restricts axes and tiles to the only scene that is left."""
-        self.lattice = self.lattices[self.lattice_of.ravel()[self.scenes.item()]]
+        scene = self.scenes.item()
+        self.lattice = self.lattices[self.lattice_of.ravel()[scene]]
         self.axes = {name: self.box[name][own] for name, own in zip(AXES, self.lattice.own)}
         box = tuple(map(len, self.box.values()))
         self.shape = tuple(map(len, self.axes.values()))
-        self.outer_index = tuple(map(int, np.unravel_index(self.scenes.item(), self.outer_shape)))
-        self.first_cell = self.scenes.item() * int(np.prod(box))
-        holds = tiles_with_designs(self.lattice, box, self.edge)
-        self.blank_tiles = np.zeros(holds.shape, bool)
-        self.blank_tiles[holds] = ~self.done
+        self.outer_index = tuple(map(int, np.unravel_index(scene, self.outer_shape)))
+        tiles = slice(*self.first_tile[[scene, scene + 1]])
+        self.blank_tiles = np.zeros([-(-n // edge) for n, edge in zip(box, self.edge)], bool)
+        self.blank_tiles[tuple((self.tile_first[tiles] // self.edge).T)] = ~self.tile_done[tiles]
 
     def select(self, at, option="at"):
         """The archive without some outer axes: those of `at`, pairs (key, value), and those with
@@ -324,13 +314,14 @@ class Archive:
         return np.where(blank, np.array(np.nan if self.is_number(field) else 0, values.dtype),
                         values)
 
-    def tallies(self):
-        """{column: values} of tile_tally in the tiles of the scene that are done."""
+    def released(self):
+        """How many designs of the scene have a release."""
         with reading(self.path, "is damaged"):
-            tally = self.file["tile_tally"]
-            first = self.first_tile[self.scenes.item()]
-            rows = tally[first:first + self.done.size][self.done]
-            return dict(zip(str(tally.attrs["columns"]).split(), rows.T))
+            designs = self.file["tile_designs"]
+            columns = str(designs.attrs["columns"]).split()
+            rows = designs[slice(*self.first_tile[[self.scenes.item(), self.scenes.item() + 1]])]
+            return sum(rows[:, columns.index(status)].sum()
+                       for status in ("released", "released_below_ground"))
 
     @property
     def objective(self):
@@ -342,34 +333,17 @@ class Archive:
     @property
     def refined(self):
         """Whether the optimum lies between the designs of the lattice (optimum.refine = yes)."""
-        if self.in_study:
-            return self.complete and self.job.get(("optimum", "refine")) == "yes"
-        with reading(self.path, "is damaged"):
-            return np.isfinite(self.attributes["refined_error"])
+        return self.complete and self.job.get(("optimum", "refine")) == "yes"
 
     def optimum(self):
-        """({axis: value in m}, value of the objective) of the optimum so far, or None.
-
-        Unless it is refined, it comes from the tallies of the tiles: the root attributes hold it
-        only after the last. That of a scene of a study is stored when its tiles are done.
-        """
-        if self.in_study and self.complete:
-            best = {name: value.item() for name, value in self.optima().items()}
-            return None if np.isnan(best["value"]) else (
-                {name: best[name] for name in AXES}, best["value"])
-        if self.refined:
-            return ({name: float(self.attributes[f"best_{name}"]) for name in AXES},
-                    float(self.attributes["best_value"]))
-        rows = self.tallies()
+        """({axis: value in m}, value of the objective) of the optimum so far, or None."""
+        if not self.done.any():
+            return None
         with reading(self.path, "is damaged"):
-            found = rows["best_cell"] >= 0
-            if not found.any():
-                return None
-            cells, values = rows["best_cell"][found], rows["best_value"][found]
-            cell = int(cells[values == values.max()].min())  # the first of equals
-            index = np.unravel_index(cell - self.first_cell, tuple(map(len, self.box.values())))
-            return ({name: float(self.box[name][i]) for name, i in zip(AXES, index)},
-                    float(values.max()))
+            best = {name: float(self.file[f"best_{name}"][self.outer_index] if self.in_study
+                                else self.attributes[f"best_{name}"]) for name in ("value", *AXES)}
+        return None if np.isnan(best["value"]) else (
+            {name: best[name] for name in AXES}, best["value"])
 
     def design(self, index):
         """{axis: value in m} of the design with an index (i1, i3, i2)."""
@@ -408,10 +382,7 @@ class Archive:
         """The optimum as text."""
         optimum = self.optimum()
         if optimum is None:
-            rows = self.tallies()
-            with reading(self.path, "is damaged"):
-                released = sum(rows[name].sum() for name in ("released", "released_below_ground"))
-            text = "no released design qualifies" if released else "nothing released"
+            text = "no released design qualifies" if self.released() else "nothing released"
             return text if self.complete else f"{text} yet"
         design, value = optimum
         name, unit = self.objective

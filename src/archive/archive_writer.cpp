@@ -3,17 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
-#include <optional>
 #include <stdexcept>
 #include <type_traits>
 
 #include "trebsweep/archive/checksum.hpp"
 #include "trebsweep/archive/free_space.hpp"
 #include "trebsweep/archive/hdf5.hpp"
-#include "trebsweep/archive/map_shape.hpp"
 #include "trebsweep/base/mpi.hpp"
 
 namespace trebsweep {
@@ -43,83 +40,79 @@ void convert(MapType type, const std::vector<double>& values, std::byte* stored)
   }
 }
 
-/// The maps and the datasets of the tiles in an open file.
-class Writer {
+/// Calls f(m, bytes) with the values of a tile in each map.
+template <class F>
+void for_each_map(const Skeleton& skeleton, const TileResults& results, F f) {
+  const std::uint64_t cells = skeleton.tiling.tile(results.number).block.cells();
+  auto rest = results.values;
+  for (std::size_t m = 0; m < skeleton.maps.size(); ++m) {
+    const std::size_t size = cells * H5Tget_size(file_type(skeleton.maps[m].type));
+    f(m, rest.first(size));
+    rest = rest.subspan(size);
+  }
+}
+
+/// The rows of some tiles; those of others are zero.
+TileTable table_of(const Skeleton& skeleton, std::span<const TileResults> tiles) {
+  const bool has_best = is_study(skeleton.study.job());
+  const std::size_t columns = checksum_columns(skeleton.maps, has_best).size();
+  TileTable table{std::vector<std::uint64_t>(skeleton.tiling.size() * status_names.size()),
+                  std::vector<std::uint64_t>(skeleton.tiling.size() * columns)};
+  for (const TileResults& tile : tiles) {
+    std::uint64_t* const checksums = &table.checksums[tile.number * columns];
+    for_each_map(skeleton, tile, [&](std::size_t m, std::span<const std::byte> bytes) {
+      checksums[m] = checksum(bytes);
+    });
+    const std::uint64_t scene = skeleton.tiling.tile(tile.number).scene;
+    if (has_best && tile.number + 1 == skeleton.tiling.of_scene(scene).end) {
+      const BestNumbers best = to_numbers(skeleton.optima[scene]);
+      checksums[skeleton.maps.size()] = checksum(std::as_bytes(std::span(best)));
+    }
+    const StatusCounts& designs = tile.tally.statuses;
+    checksums[columns - 1] = checksum(std::as_bytes(std::span(designs)));
+    std::ranges::copy(designs, &table.designs[tile.number * designs.size()]);
+  }
+  return table;
+}
+
+/// The maps of an open file.
+class MapWriter {
  public:
-  Writer(hid_t file, const Skeleton& skeleton)
-      : skeleton_(skeleton),
-        shape_(skeleton.study),
-        done_(hdf5::open_dataset(file, "tile_done")),
-        tally_(hdf5::open_dataset(file, "tile_tally")),
-        checksum_(hdf5::open_dataset(file, "tile_checksum")) {
+  MapWriter(hid_t file, const Skeleton& skeleton)
+      : skeleton_(skeleton), extents_(map_extents(skeleton.study)) {
     for (const MapInfo& map : skeleton.maps) maps_.push_back(hdf5::open_dataset(file, map.dataset));
   }
 
-  /// Writes the values of a tile in all maps. A rank without a tile takes part in a collective
-  /// transfer.
-  void write_maps(const TileResults* results, hid_t transfer) {
-    std::span<const std::byte> rest;
-    if (results) rest = results->values;
-    for (std::size_t m = 0; m < maps_.size(); ++m) {
-      const hid_t type = file_type(skeleton_.maps[m].type);
-      const std::string what = "write map " + skeleton_.maps[m].dataset;
-      const hdf5::Dataspace file(H5Dget_space(maps_[m]), what);
-      const Tile tile =
-          results ? skeleton_.tiling.tile(results->number) : Tile{0, {{0, 0, 0}, {1, 1, 1}}};
-      const auto first = shape_.first_cell(tile), count = shape_.block(tile.block.count);
-      const hdf5::Dataspace memory(H5Screate_simple(shape_.rank(), count.data(), nullptr), what);
-      if (results) {
-        check(
-            H5Sselect_hyperslab(file, H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr),
-            what);
-      } else {
-        check(H5Sselect_none(file), what);
-        check(H5Sselect_none(memory), what);
-      }
-      check(H5Dwrite(maps_[m], type, memory, file, transfer, rest.data()), what);
-      if (results) rest = rest.subspan(tile.block.cells() * H5Tget_size(type));
-    }
+  /// Writes the values of a tile.
+  void write(const TileResults& results, hid_t transfer) const {
+    const auto [first, count] = map_block(skeleton_.tiling.tile(results.number), extents_);
+    for_each_map(
+        skeleton_, results,
+        [&, &at = first, &n = count](std::size_t m, std::span<const std::byte> bytes) {
+          const hdf5::Dataspace file(H5Dget_space(maps_[m]), what);
+          check(H5Sselect_hyperslab(file, H5S_SELECT_SET, at.data(), nullptr, n.data(), nullptr),
+                what);
+          const hdf5::Dataspace memory(
+              H5Screate_simple(static_cast<int>(n.size()), n.data(), nullptr), what);
+          check(H5Dwrite(maps_[m], type(m), memory, file, transfer, bytes.data()), what);
+        });
   }
 
-  /// Writes the rows of a tile: its tally and its checksums.
-  void write_rows(const TileResults& results) {
-    const TallyRow row = to_row(results.tally);
-    std::vector<std::uint64_t> checksums;
-    const Tile tile = skeleton_.tiling.tile(results.number);
-    auto rest = results.values;
-    for (const MapInfo& map : skeleton_.maps) {
-      const std::size_t size = tile.block.cells() * H5Tget_size(file_type(map.type));
-      checksums.push_back(checksum(rest.first(size)));
-      rest = rest.subspan(size);
+  /// Takes part in a collective transfer without a tile.
+  void write_nothing(hid_t transfer) const {
+    for (std::size_t m = 0; m < maps_.size(); ++m) {
+      const hdf5::Dataspace none(H5Dget_space(maps_[m]), what);
+      check(H5Sselect_none(none), what);
+      check(H5Dwrite(maps_[m], type(m), none, none, transfer, nullptr), what);
     }
-    if (is_study(skeleton_.study.job())) {
-      const bool is_last = results.number + 1 == skeleton_.tiling.of_scene(tile.scene).end;
-      checksums.push_back(
-          is_last && !skeleton_.optima.empty() ? checksum(skeleton_.optima[tile.scene]) : 0);
-    }
-    checksums.push_back(checksum(std::as_bytes(std::span(row))));
-    const unsigned char done = 1;
-    write_row(tally_, results.number, row.size(), H5T_NATIVE_DOUBLE, row.data());
-    write_row(checksum_, results.number, checksums.size(), H5T_NATIVE_UINT64, checksums.data());
-    write_row(done_, results.number, 1, H5T_NATIVE_UCHAR, &done);
   }
 
  private:
-  static void write_row(hid_t dataset, std::uint64_t row, std::size_t columns, hid_t type,
-                        const void* values) {
-    const std::string what = "write a tile";
-    const hdf5::Dataspace file(H5Dget_space(dataset), what);
-    // A dataset of rank 1 uses only the first element of each.
-    const std::array<hsize_t, 2> start{row, 0}, extent{1, columns};
-    check(H5Sselect_hyperslab(file, H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr),
-          what);
-    const hdf5::Dataspace memory(H5Screate_simple(1, &extent[1], nullptr), what);
-    check(H5Dwrite(dataset, type, memory, file, H5P_DEFAULT, values), what);
-  }
+  hid_t type(std::size_t m) const { return file_type(skeleton_.maps[m].type); }
 
+  static constexpr const char* what = "write the maps";
   const Skeleton& skeleton_;
-  MapShape shape_;
-  hdf5::Dataset done_, tally_, checksum_;
+  std::vector<hsize_t> extents_;
   std::vector<hdf5::Dataset> maps_;
 };
 
@@ -132,22 +125,41 @@ hdf5::Properties collective_transfer() {
   return transfer;
 }
 
+/// Writes the maps of an open file, each rank its tiles.
+void write_maps(hid_t file, const Skeleton& skeleton, std::span<const TileResults> own,
+                MPI_Comm comm) {
+  const MapWriter writer(file, skeleton);
+  if (skeleton.compression == 0) {
+    for (const TileResults& tile : own) writer.write(tile, H5P_DEFAULT);
+    return;
+  }
+  const auto transfer = collective_transfer();
+  const auto most = static_cast<std::size_t>(mpi::max(static_cast<double>(own.size()), comm));
+  for (std::size_t i = 0; i < most; ++i)
+    i < own.size() ? writer.write(own[i], transfer) : writer.write_nothing(transfer);
+}
+
 }  // namespace
 
 std::vector<std::byte> to_bytes(const Tally& tally, std::span<const std::vector<double>> values,
                                 const std::vector<MapInfo>& maps) {
-  std::size_t end = sizeof tally;
-  const auto size = [&](std::size_t m) {
-    return values[m].size() * H5Tget_size(file_type(maps[m].type));
-  };
-  for (std::size_t m = 0; m < maps.size(); ++m) end += size(m);
-  std::vector<std::byte> bytes(end);
+  std::size_t size = sizeof tally;
+  for (std::size_t m = 0; m < maps.size(); ++m)
+    size += values[m].size() * H5Tget_size(file_type(maps[m].type));
+  std::vector<std::byte> bytes;
+  bytes.reserve(size);
+  bytes.resize(sizeof tally);
   std::memcpy(bytes.data(), &tally, sizeof tally);
-  for (std::size_t m = maps.size(); m-- > 0;) {
-    end -= size(m);
-    convert(maps[m].type, values[m], &bytes[end]);
+  for (std::size_t m = 0; m < maps.size(); ++m) {
+    const std::size_t start = bytes.size();
+    bytes.resize(start + values[m].size() * H5Tget_size(file_type(maps[m].type)));
+    convert(maps[m].type, values[m], &bytes[start]);
   }
   return bytes;
+}
+
+std::uint64_t result_bytes(const Block& block, std::span<const MapInfo> maps) {
+  return sizeof(Tally) + bytes_in(block, maps);
 }
 
 TileResults to_tile_results(const Record& record) {
@@ -156,21 +168,13 @@ TileResults to_tile_results(const Record& record) {
   return results;
 }
 
-bool fits(const Record& record, const Tile& tile, const std::vector<MapInfo>& maps) {
-  return record.results.size() == sizeof(Tally) + bytes_in(tile, maps);
-}
-
 void write_archive(const std::filesystem::path& path, const Skeleton& skeleton,
                    std::span<const TileResults> tiles) {
-  create_skeleton(path, skeleton);
+  create_skeleton(path, skeleton, table_of(skeleton, tiles));
   const std::string what = "write " + path.string();
   hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), what);
-  std::optional<Writer> writer(std::in_place, file, skeleton);
-  for (const TileResults& tile : tiles) {
-    writer->write_maps(&tile, H5P_DEFAULT);
-    writer->write_rows(tile);
-  }
-  writer.reset();
+  for (const MapWriter writer(file, skeleton); const TileResults& tile : tiles)
+    writer.write(tile, H5P_DEFAULT);
   file.close(what);
 }
 
@@ -184,34 +188,39 @@ void write_archive(const std::filesystem::path& path, const Skeleton& skeleton,
                                            error.what(), path.string(), reached_limit(path)));
     }
   };
-  const bool alone = mpi::size(comm) == 1;
+  if (mpi::size(comm) == 1)
+    return mpi::on_root(comm,
+                        [&] { explain_failure([&] { write_archive(path, skeleton, own); }); });
+  TileTable table = table_of(skeleton, own);
+  mpi::merge(std::span(table.designs), comm);
+  mpi::merge(std::span(table.checksums), comm);
   mpi::on_root(comm, [&] {
     explain_failure([&] {
-      if (alone) return write_archive(path, skeleton, own);
-      create_skeleton(path, skeleton);
+      create_skeleton(path, skeleton, table);
       allocate_chunks(path, skeleton);
     });
   });
-  if (alone) return;
+  if (skeleton.maps.empty()) return;
   hdf5::silence();
-  hdf5::File file = hdf5::open_parallel(path, comm);
   // A rank that fails cannot close the file, for which HDF5 needs all ranks: what it throws is not
   // caught, and aborts them.
+  hdf5::File file = hdf5::open_parallel(path, comm);
   explain_failure([&] {
-    std::optional<Writer> writer(std::in_place, file, skeleton);
-    if (skeleton.compression > 0) {
-      const auto transfer = collective_transfer();
-      const auto most = static_cast<std::size_t>(mpi::max(static_cast<double>(own.size()), comm));
-      for (std::size_t i = 0; i < most; ++i)
-        writer->write_maps(i < own.size() ? &own[i] : nullptr, transfer);
-    }
-    for (const TileResults& tile : own) {
-      if (skeleton.compression == 0) writer->write_maps(&tile, H5P_DEFAULT);
-      writer->write_rows(tile);
-    }
-    writer.reset();
+    write_maps(file, skeleton, own, comm);
     file.close("write");
   });
+}
+
+NeededSpace needed_space(const Study& study, const Tiling& tiling, std::span<const MapInfo> maps,
+                         int compression) {
+  const Block whole{{}, tiling.edge()};  // a chunk is stored whole
+  const std::uintmax_t row = 8 * (block_columns.size() + status_names.size() + maps.size() + 1);
+  NeededSpace needed{0, 0};
+  for (std::uint64_t t = 0; t < tiling.size(); ++t)
+    needed.journals += record_header_bytes + result_bytes(tiling.tile(t).block, maps);
+  if (compression == 0) needed.archive = tiling.size() * (bytes_in(whole, maps) + row);
+  if (is_study(study.job())) needed.archive += study.scenes() * sizeof(BestNumbers);
+  return needed;
 }
 
 }  // namespace trebsweep

@@ -9,7 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "trebsweep/archive/output_path.hpp"
+#include "trebsweep/archive/output_file.hpp"
 
 namespace trebsweep {
 namespace {

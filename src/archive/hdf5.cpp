@@ -53,6 +53,14 @@ Dataset open_dataset(hid_t file, const std::string& name) {
   return {H5Dopen2(file, name.c_str(), H5P_DEFAULT), "open " + name};
 }
 
+Dataset create_dataset(hid_t file, const std::string& name, hid_t type,
+                       std::span<const hsize_t> extents, hid_t properties) {
+  const std::string what = "create " + name;
+  const Dataspace space(H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr),
+                        what);
+  return {H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT), what};
+}
+
 Datatype text_type() {
   Datatype type(H5Tcopy(H5T_C_S1), "make a text type");
   check(H5Tset_size(type, H5T_VARIABLE), "make a text type");
@@ -71,6 +79,17 @@ void write_attribute(hid_t object, const std::string& name, double value) {
 
 void write_attribute(hid_t object, const std::string& name, unsigned long long value) {
   write(object, name, H5T_NATIVE_ULLONG, &value);
+}
+
+void write_attribute(hid_t object, const std::string& name, hid_t type,
+                     std::span<const double> values, bool is_scalar) {
+  const std::string what = "write attribute " + name;
+  const hsize_t count = values.size();
+  const Dataspace space(is_scalar ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr),
+                        what);
+  const Attribute attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
+                            what);
+  check(H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()), what);
 }
 
 std::string read_text_attribute(hid_t object, const std::string& name) {
@@ -113,9 +132,8 @@ std::vector<hsize_t> extents(hid_t dataset) {
   return extents;
 }
 
-std::vector<double> read_numbers(hid_t file, const std::string& name) {
-  const std::string what = "read " + name;
-  const Dataset dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), what);
+std::size_t count_values(hid_t file, hid_t dataset) {
+  const std::string what = "read a dataset";
   const Dataspace space(H5Dget_space(dataset), what);
   const Datatype type(H5Dget_type(dataset), what);
   const hssize_t count = H5Sget_simple_extent_npoints(space);
@@ -124,9 +142,7 @@ std::vector<double> read_numbers(hid_t file, const std::string& name) {
   // A damaged extent must not make us allocate more memory than the file could fill.
   if (count < 0 || static_cast<hsize_t>(count) > bytes / std::max<hsize_t>(1, H5Tget_size(type)))
     throw std::runtime_error("cannot " + what + ": larger than the file");
-  std::vector<double> values(static_cast<std::size_t>(count));
-  check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), what);
-  return values;
+  return static_cast<std::size_t>(count);
 }
 
 }  // namespace trebsweep::hdf5

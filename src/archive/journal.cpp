@@ -1,8 +1,6 @@
 #include "trebsweep/archive/journal.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,11 +12,13 @@
 
 #include "trebsweep/archive/checksum.hpp"
 #include "trebsweep/archive/free_space.hpp"
+#include "trebsweep/archive/regular_file.hpp"
 
 namespace trebsweep {
 namespace {
 
-constexpr std::array<char, 8> mark{'t', 'r', 'e', 'b', 'r', 'e', 'c', '\n'};
+/// It changes with the form of the results.
+constexpr std::array<char, 8> mark{'t', 'r', 'e', 'b', 'r', 'e', 'c', '2'};
 
 struct Header {
   std::array<char, 8> mark;
@@ -28,7 +28,7 @@ struct Header {
   std::uint64_t size;  ///< of the results, bytes
   std::uint64_t checksum;
 };
-static_assert(sizeof(Header) == 40 && std::is_trivially_copyable_v<Header>);
+static_assert(sizeof(Header) == record_header_bytes && std::is_trivially_copyable_v<Header>);
 
 /// The checksum of a record: of its header without the checksum, and of its results.
 std::uint64_t record_checksum(const Header& header, std::span<const std::byte> results) {
@@ -46,12 +46,6 @@ std::optional<Record> first_record(std::span<const std::byte> bytes) {
   const auto results = bytes.first(header.size);
   if (header.checksum != record_checksum(header, results)) return std::nullopt;
   return Record{static_cast<RecordKind>(header.kind), header.number, results};
-}
-
-[[noreturn]] void fail(const std::string& what, const std::filesystem::path& path,
-                       const std::string& rest = "") {
-  throw std::runtime_error(
-      fmt::format("cannot {} {}: {}{}", what, path.string(), std::strerror(errno), rest));
 }
 
 }  // namespace
@@ -87,49 +81,47 @@ std::span<const std::byte> MappedFile::bytes() const {
   return {static_cast<const std::byte*>(region_.get_address()), region_.get_size()};
 }
 
-Journal::~Journal() {
-  if (file_ >= 0) close(file_);
-}
-
-void Journal::append(const Record& record) {
-  Header header{
-      mark, static_cast<std::uint32_t>(record.kind), 0, record.number, record.results.size(), 0};
-  header.checksum = record_checksum(header, record.results);
-  const auto head = std::as_bytes(std::span(&header, 1));
-  unwritten_.insert(unwritten_.end(), head.begin(), head.end());
-  unwritten_.insert(unwritten_.end(), record.results.begin(), record.results.end());
+void Journal::append(RecordKind kind, std::uint64_t number, std::vector<std::byte> results) {
+  unwritten_bytes_ += record_header_bytes + results.size();
+  unwritten_.push_back({kind, number, std::move(results)});
 }
 
 void Journal::write() {
   if (unwritten_.empty()) return;
-  if (file_ < 0) {
-    file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file_ < 0) fail("create", path_);
+  if (!file_.is_open() && std::filesystem::exists(path_))
+    throw std::runtime_error(fmt::format("cannot create {}: it exists", path_.string()));
+  errno = 0;
+  if (!file_.is_open()) file_.open(path_, std::ios::binary);
+  const auto put = [&](std::span<const std::byte> bytes) {
+    file_.write(reinterpret_cast<const char*>(bytes.data()),
+                static_cast<std::streamsize>(bytes.size()));
+  };
+  for (const auto& [kind, number, results] : unwritten_) {
+    Header header{mark, static_cast<std::uint32_t>(kind), 0, number, results.size(), 0};
+    header.checksum = record_checksum(header, results);
+    put(std::as_bytes(std::span(&header, 1)));
+    put(results);
   }
-  for (std::span<const std::byte> rest(unwritten_); !rest.empty();) {
-    const auto written = ::write(file_, rest.data(), rest.size());
-    if (written > 0)
-      rest = rest.subspan(static_cast<std::size_t>(written));
-    else if (written == 0 || errno != EINTR)
-      fail("write", path_,
-           reached_limit(path_) +
-               "; the finished tiles are kept, and the same command will continue the sweep");
-  }
+  if (!file_.flush())
+    throw std::runtime_error(
+        fmt::format("cannot write {}: {}{}; the finished tiles are kept, and the same command will "
+                    "continue the sweep",
+                    path_.string(), std::strerror(errno), reached_limit(path_)));
   unwritten_.clear();
+  unwritten_bytes_ = 0;
 }
 
 void Journal::sync() {
   write();
-  if (file_ >= 0 && fsync(file_) != 0) fail("sync", path_);
+  if (file_.is_open()) sync_file(path_);
 }
 
 std::vector<Record> Journal::records() {
   written_.clear();
-  if (file_ >= 0) written_.emplace_back(path_);
+  if (file_.is_open()) written_.emplace_back(path_);
   std::vector<Record> all;
   for (const MappedFile& file : written_) all = intact_records(file.bytes());
-  const auto unwritten = intact_records(unwritten_);
-  all.insert(all.end(), unwritten.begin(), unwritten.end());
+  for (const auto& [kind, number, results] : unwritten_) all.push_back({kind, number, results});
   return all;
 }
 

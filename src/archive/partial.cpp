@@ -1,18 +1,26 @@
 #include "trebsweep/archive/partial.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "trebsweep/archive/regular_file.hpp"
+#include "trebsweep/archive/file_lock.hpp"
+#include "trebsweep/base/error.hpp"
 #include "trebsweep/base/mpi.hpp"
+#include "trebsweep/base/version.hpp"
+#include "trebsweep/job/key.hpp"
+#include "trebsweep/job/study.hpp"
+#include "trebsweep/swing/kernel.hpp"
 
 namespace trebsweep {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PartialSweep, job, source, kernel, numerics, tile_edge, replaces,
+                                   history)
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -22,17 +30,27 @@ constexpr const char* new_description = "sweep.json.new";
 constexpr const char* archive = "archive.h5";
 constexpr const char* journal_suffix = ".journal";
 
+/// The keys that affect the maps or the optima of scenes and differ between two jobs, with both
+/// values.
+std::vector<std::string> differences(const Job& here, const Job& there) {
+  std::vector<std::string> different;
+  for (const Key& key : job_keys()) {
+    const std::string value_here = key.get(here), value_there = key.get(there);
+    if (key.name == "output.file" || key.name.starts_with("assess.") || value_here == value_there)
+      continue;
+    const auto text = [](const std::string& value) { return value.empty() ? "none" : value; };
+    different.push_back(
+        fmt::format("{} = {} there, {} here", key.name, text(value_there), text(value_here)));
+  }
+  return different;
+}
+
 }  // namespace
 
 void write_partial_sweep(const fs::path& folder, const PartialSweep& sweep) {
-  const nlohmann::ordered_json json{{"program", "trebsweep"},       {"source", sweep.source},
-                                    {"kernel", sweep.kernel},       {"numerics", sweep.numerics},
-                                    {"tile_edge", sweep.tile_edge}, {"replaces", sweep.replaces},
-                                    {"history", sweep.history},     {"job", sweep.job}};
-  fs::create_directory(folder);
   const fs::path path = folder / new_description;
   std::ofstream file(path);
-  file << json.dump(2) << '\n';
+  file << nlohmann::json(sweep).dump(2) << '\n';
   file.close();
   if (!file) throw std::runtime_error("cannot write " + path.string());
   fs::rename(path, folder / description);
@@ -43,18 +61,39 @@ PartialSweep read_partial_sweep(const fs::path& folder) {
   std::ifstream file(path);
   if (!file) throw std::runtime_error("cannot read " + path.string());
   try {
-    const auto json = nlohmann::json::parse(file);
-    PartialSweep sweep{.job = json.at("job"),
-                       .source = json.at("source"),
-                       .kernel = json.at("kernel"),
-                       .numerics = json.at("numerics"),
-                       .tile_edge = json.at("tile_edge"),
-                       .replaces = json.at("replaces"),
-                       .history = json.at("history")};
+    const auto sweep = nlohmann::json::parse(file).get<PartialSweep>();
     if (std::ranges::count(sweep.tile_edge, 0) > 0) throw std::runtime_error("tiles of no extent");
     return sweep;
   } catch (const std::exception& error) {
     throw std::runtime_error(fmt::format("{}: damaged: {}", path.string(), error.what()));
+  }
+}
+
+void require_resumable(const Job& job, const fs::path& folder, const PartialSweep& partial) {
+  const auto refuse_version = [&](const std::string& what, const auto& there, const auto& here) {
+    throw std::runtime_error(
+        fmt::format("{} was started {} {}; this is {}: finish it there, or start again with "
+                    "--overwrite",
+                    folder.string(), what, there, here));
+  };
+  if (partial.numerics != numerics_version)
+    refuse_version(fmt::format("by {}, with numerics", partial.source), partial.numerics,
+                   numerics_version);
+  const auto different = differences(job, parse_job(partial.job, folder, {}));
+  if (!different.empty())
+    throw InputError(
+        fmt::format("output.file = {}: {} holds an unfinished sweep of another job "
+                    "({}); name another file, or start again with --overwrite",
+                    shortened(job.output.file), folder.string(), fmt::join(different, "; ")));
+  if (has_fma(partial.kernel) != has_fma(instruction_set()))
+    refuse_version("on a machine with", partial.kernel, instruction_set());
+}
+
+bool is_same_job(const Job& job, const std::string& stored) {
+  try {
+    return differences(job, parse_job(stored, "archive", {})).empty();
+  } catch (const InputError&) {
+    return false;  // of a version with other keys
   }
 }
 
@@ -75,14 +114,16 @@ fs::path unfinished_archive(const fs::path& folder) { return folder / archive; }
 bool is_partial_folder(const fs::path& folder) {
   return std::all_of(fs::directory_iterator(folder), {}, [](const fs::directory_entry& entry) {
     const fs::path name = entry.path().filename();
-    return entry.is_regular_file() && (name == description || name == new_description ||
-                                       name == archive || name.extension() == journal_suffix);
+    return fs::is_regular_file(entry.symlink_status()) &&
+           (name == description || name == new_description || name == archive ||
+            name == lock_name || name.extension() == journal_suffix);
   });
 }
 
-void remove_partial(const fs::path& folder) {
+void clear_partial(const fs::path& folder) {
   std::error_code ignored;  // a file that remains does no harm
-  fs::remove_all(folder, ignored);
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename() != lock_name) fs::remove(entry.path(), ignored);
 }
 
 void require_visible(const fs::path& path, MPI_Comm comm) {
@@ -92,19 +133,6 @@ void require_visible(const fs::path& path, MPI_Comm comm) {
           "rank {} cannot see {}: all ranks must run in the same directory of a shared file system",
           mpi::rank(comm), path.string()));
   });
-}
-
-void rename_to_final(const fs::path& from, const fs::path& to, const std::string& replaces) {
-  const int file = open(from.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool synced = file >= 0 && fsync(file) == 0;
-  if (file >= 0) close(file);
-  if (!synced) throw std::runtime_error("cannot sync " + from.string());
-  if (fs::exists(fs::symlink_status(to)) && file_identity(to) != replaces)
-    throw std::runtime_error(
-        fmt::format("cannot rename {} to {}: a file with that name has appeared in the meantime; "
-                    "move it away, and the same command will finish the archive",
-                    from.string(), to.string()));
-  fs::rename(from, to);
 }
 
 }  // namespace trebsweep

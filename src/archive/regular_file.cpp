@@ -1,9 +1,12 @@
 #include "trebsweep/archive/regular_file.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
+#include <stdexcept>
 #include <system_error>
 
 namespace trebsweep {
@@ -44,6 +47,13 @@ std::string file_identity(const fs::path& path) {
                        status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
   if (errno == ENOENT) return "";
   throw std::system_error(errno, std::generic_category(), path.string());
+}
+
+void sync_file(const fs::path& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool synced = file >= 0 && fsync(file) == 0;
+  if (file >= 0) close(file);
+  if (!synced) throw std::runtime_error("cannot sync " + path.string());
 }
 
 fs::path follow_links(fs::path path) {

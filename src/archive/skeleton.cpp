@@ -5,13 +5,9 @@
 #include <hdf5_hl.h>
 
 #include <array>
-#include <bit>
 #include <numeric>
 
 #include "trebsweep/archive/hdf5.hpp"
-#include "trebsweep/archive/map_shape.hpp"
-#include "trebsweep/archive/scene_optimum.hpp"
-#include "trebsweep/archive/tally.hpp"
 #include "trebsweep/job/key.hpp"
 
 namespace trebsweep {
@@ -23,108 +19,76 @@ constexpr const char* r1_text = "length of the counterweight's arm";
 constexpr const char* r3_text = "length of the sling";
 constexpr const char* r2_text = "length of the throwing arm";
 
-void write_flags(hid_t dataset, const std::vector<std::string>& meanings) {
-  std::vector<unsigned char> values(meanings.size());
-  std::iota(values.begin(), values.end(), static_cast<unsigned char>(0));
-  const hsize_t count = values.size();
-  const hdf5::Dataspace space(H5Screate_simple(1, &count, nullptr), "write flag_values");
-  const hdf5::Attribute attribute(
-      H5Acreate2(dataset, "flag_values", H5T_STD_U8LE, space, H5P_DEFAULT, H5P_DEFAULT),
-      "write flag_values");
-  check(H5Awrite(attribute, H5T_NATIVE_UCHAR, values.data()), "write flag_values");
-  hdf5::write_attribute(dataset, "flag_meanings", fmt::format("{}", fmt::join(meanings, " ")));
+/// A dimension scale and its extent.
+struct Axis {
+  hdf5::Dataset scale;
+  hsize_t extent;
+};
+using Axes = std::vector<const Axis*>;
+
+std::vector<hsize_t> extents_of(const Axes& axes) {
+  std::vector<hsize_t> extents;
+  for (const Axis* axis : axes) extents.push_back(axis->extent);
+  return extents;
 }
 
-void write_fill_attribute(hid_t dataset, MapType type, double fill) {
-  const hdf5::Dataspace space(H5Screate(H5S_SCALAR), "write _FillValue");
-  const hdf5::Attribute attribute(
-      H5Acreate2(dataset, "_FillValue", file_type(type), space, H5P_DEFAULT, H5P_DEFAULT),
-      "write _FillValue");
-  check(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &fill), "write _FillValue");
+void attach(hid_t dataset, const Axes& axes) {
+  for (std::size_t d = 0; d < axes.size(); ++d)
+    check(H5DSattach_scale(dataset, axes[d]->scale, static_cast<unsigned>(d)), "attach an axis");
 }
 
-hdf5::Dataset create_axis(hid_t file, const std::string& name, const std::string& units,
-                          const std::string& long_name, const std::vector<double>& values) {
-  const std::string what = "write axis " + name;
+void describe(hid_t dataset, const std::string& long_name, const std::string& units = "") {
+  hdf5::write_attribute(dataset, "long_name", long_name);
+  if (!units.empty()) hdf5::write_attribute(dataset, "units", units);
+}
+
+/// A dataset over some axes.
+template <class Number>
+hdf5::Dataset create(hid_t file, const std::string& name, const Axes& axes,
+                     const std::vector<Number>& values, const std::string& long_name) {
+  hdf5::Dataset dataset = hdf5::create_dataset(file, name, extents_of(axes), values);
+  attach(dataset, axes);
+  describe(dataset, long_name);
+  return dataset;
+}
+
+Axis create_axis(hid_t file, const std::string& name, const std::vector<double>& values,
+                 const std::string& long_name, const std::string& units) {
   const hsize_t count = values.size();
-  const hdf5::Dataspace space(H5Screate_simple(1, &count, nullptr), what);
-  hdf5::Dataset axis(
-      H5Dcreate2(file, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-      what);
-  check(H5Dwrite(axis, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), what);
-  check(H5DSset_scale(axis, name.c_str()), what);
-  hdf5::write_attribute(axis, "units", units);
-  hdf5::write_attribute(axis, "long_name", long_name);
+  Axis axis{hdf5::create_dataset(file, name, {&count, 1}, values), count};
+  check(H5DSset_scale(axis.scale, name.c_str()), "create axis " + name);
+  describe(axis.scale, long_name, units);
   return axis;
 }
 
-hdf5::Dataset create_axis(hid_t file, const OuterAxis& axis) {
-  const Key& key = key_of(axis);
-  return create_axis(file, dataset_name(axis.name()), key.unit.empty() ? "1" : key.unit,
-                     key.meaning, axis.values);
+/// A dimension without coordinates, in the form that netCDF-4 gives it.
+Axis create_dimension(hid_t file, const std::string& name, hsize_t count) {
+  Axis axis{hdf5::create_dataset(file, name, H5T_STD_U8LE, {&count, 1}), count};
+  const std::string scale =
+      fmt::format("This is a netCDF dimension but not a netCDF variable.{:10d}", count);
+  check(H5DSset_scale(axis.scale, scale.c_str()), "create dimension " + name);
+  return axis;
 }
 
 /// The axes of the maps: those of the study, then r1, r3 and r2.
-std::vector<hdf5::Dataset> create_axes(hid_t file, const Study& study) {
-  std::vector<hdf5::Dataset> axes;
-  for (const OuterAxis& axis : study.job().outer_axes) axes.push_back(create_axis(file, axis));
+std::vector<Axis> create_axes(hid_t file, const Study& study) {
+  std::vector<Axis> axes;
+  for (const OuterAxis& axis : study.job().outer_axes) {
+    const Key& key = key_of(axis);
+    axes.push_back(create_axis(file, dataset_name(axis.name()), axis.values, key.meaning,
+                               key.unit.empty() ? "1" : key.unit));
+  }
   const auto& [r1, r3, r2] = study.axes();
-  axes.push_back(create_axis(file, "r1", "m", r1_text, r1));
-  axes.push_back(create_axis(file, "r3", "m", r3_text, r3));
-  axes.push_back(create_axis(file, "r2", "m", r2_text, r2));
+  axes.push_back(create_axis(file, "r1", r1, r1_text, "m"));
+  axes.push_back(create_axis(file, "r3", r3, r3_text, "m"));
+  axes.push_back(create_axis(file, "r2", r2, r2_text, "m"));
   return axes;
 }
 
-/// Attaches the first axes to the dimensions of a dataset.
-void attach_axes(hid_t dataset, const std::vector<hdf5::Dataset>& axes, int rank) {
-  for (int d = 0; d < rank; ++d)
-    check(H5DSattach_scale(dataset, axes[static_cast<std::size_t>(d)], static_cast<unsigned>(d)),
-          "attach an axis");
-}
-
-/// Creates the datasets of the optima of a study's scenes, with their values.
-void create_optima(hid_t file, const std::vector<hdf5::Dataset>& axes, const Skeleton& skeleton) {
-  const Study& study = skeleton.study;
-  const FieldInfo& objective = info(study.job().optimum.objective);
-  const FieldInfo &speed = info(Field::speed), &time = info(Field::release_time);
-  struct Description {
-    std::string_view units, text;
-  };
-  const std::array<Description, scene_optimum_names.size()> descriptions{
-      {{objective.units, objective.meaning},
-       {speed.units, speed.meaning},
-       {"m", r1_text},
-       {"m", r3_text},
-       {"m", r2_text},
-       {time.units, time.meaning},
-       {objective.units, "error of best_value, for its lengths"}}};
-  const MapShape shape(study);
-  const int rank = static_cast<int>(shape.outer().size());
-  for (std::size_t d = 0; d < descriptions.size(); ++d) {
-    const std::string name(scene_optimum_names[d]), what = "create " + name;
-    const hdf5::Dataspace space(H5Screate_simple(rank, shape.outer().data(), nullptr), what);
-    const hdf5::Dataset dataset(H5Dcreate2(file, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT,
-                                           H5P_DEFAULT, H5P_DEFAULT),
-                                what);
-    std::vector<double> values;
-    for (const SceneOptimum& optimum : skeleton.optima)
-      values.push_back(std::bit_cast<std::array<double, descriptions.size()>>(optimum)[d]);
-    check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), what);
-    attach_axes(dataset, axes, rank);
-    hdf5::write_attribute(dataset, "long_name",
-                          fmt::format("{}, at the optimum of the scene", descriptions[d].text));
-    hdf5::write_attribute(dataset, "units", std::string(descriptions[d].units));
-    write_fill_attribute(dataset, MapType::float64, SceneOptimum::nan);
-  }
-}
-
-hdf5::Dataset create_map(hid_t file, const std::vector<hdf5::Dataset>& axes, const MapInfo& info,
-                         const Skeleton& skeleton) {
+void create_map(hid_t file, const Axes& axes, const MapInfo& info, const Skeleton& skeleton) {
   const std::string what = "create map " + info.dataset;
-  const MapShape shape(skeleton.study);
-  const auto extent = shape.extent();
-  const hdf5::Dataspace space(H5Screate_simple(shape.rank(), extent.data(), nullptr), what);
-  const auto chunk = shape.block(skeleton.tiling.edge());
+  std::vector<hsize_t> chunk(axes.size() - 3, 1);
+  chunk.insert(chunk.end(), skeleton.tiling.edge().begin(), skeleton.tiling.edge().end());
   const hdf5::Properties properties(H5Pcreate(H5P_DATASET_CREATE), what);
   check(H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data()), what);
   check(H5Pset_fill_value(properties, H5T_NATIVE_DOUBLE, &info.fill), what);
@@ -133,91 +97,108 @@ hdf5::Dataset create_map(hid_t file, const std::vector<hdf5::Dataset>& axes, con
     check(H5Pset_shuffle(properties), what);
     check(H5Pset_deflate(properties, static_cast<unsigned>(skeleton.compression)), what);
   }
-  hdf5::Dataset dataset(H5Dcreate2(file, info.dataset.c_str(), file_type(info.type), space,
-                                   H5P_DEFAULT, properties, H5P_DEFAULT),
-                        what);
-  attach_axes(dataset, axes, shape.rank());
-  hdf5::write_attribute(dataset, "long_name", info.long_name);
-  if (!info.units.empty()) hdf5::write_attribute(dataset, "units", info.units);
+  const hdf5::Dataset dataset =
+      hdf5::create_dataset(file, info.dataset, file_type(info.type), extents_of(axes), properties);
+  attach(dataset, axes);
+  describe(dataset, info.long_name, info.units);
   if (!info.ancillary.empty())
     hdf5::write_attribute(dataset, "ancillary_variables", info.ancillary);
   // Flags have no _FillValue, which would make xarray convert them to floats: the flag 0 marks the
   // cells outside the lattice.
   if (info.flag_meanings.empty())
-    write_fill_attribute(dataset, info.type, info.fill);
-  else
-    write_flags(dataset, info.flag_meanings);
-  return dataset;
+    return hdf5::write_attribute(dataset, "_FillValue", file_type(info.type), {&info.fill, 1},
+                                 true);
+  std::vector<double> flags(info.flag_meanings.size());
+  std::iota(flags.begin(), flags.end(), 0);
+  hdf5::write_attribute(dataset, "flag_values", H5T_STD_U8LE, flags);
+  hdf5::write_attribute(dataset, "flag_meanings",
+                        fmt::format("{}", fmt::join(info.flag_meanings, " ")));
 }
 
-/// A dimension without coordinates, in the form that netCDF-4 gives it.
-hdf5::Dataset create_dimension(hid_t file, const std::string& name, hsize_t count) {
-  const std::string what = "create dimension " + name;
-  const hdf5::Dataspace space(H5Screate_simple(1, &count, nullptr), what);
-  hdf5::Dataset dimension(
-      H5Dcreate2(file, name.c_str(), H5T_STD_U8LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-      what);
-  const std::string scale =
-      fmt::format("This is a netCDF dimension but not a netCDF variable.{:10d}", count);
-  check(H5DSset_scale(dimension, scale.c_str()), what);
-  return dimension;
+/// Creates the datasets of the optima of a study's scenes.
+void create_optima(hid_t file, const Axes& outer, const Skeleton& skeleton) {
+  const FieldInfo& objective = info(skeleton.study.job().optimum.objective);
+  const FieldInfo &speed = info(Field::speed), &time = info(Field::release_time);
+  struct Description {
+    std::string_view units, text;
+  };
+  const std::array<Description, best_names.size()> descriptions{
+      {{objective.units, objective.meaning},
+       {speed.units, speed.meaning},
+       {"m", r1_text},
+       {"m", r3_text},
+       {"m", r2_text},
+       {time.units, time.meaning},
+       {objective.units, "error of best_value, for its lengths"}}};
+  for (std::size_t d = 0; d < best_names.size(); ++d) {
+    std::vector<double> values;
+    for (const BestDesign& best : skeleton.optima) values.push_back(to_numbers(best)[d]);
+    const auto& [units, text] = descriptions[d];
+    const hdf5::Dataset dataset = create(file, std::string(best_names[d]), outer, values,
+                                         fmt::format("{}, at the optimum of the scene", text));
+    hdf5::write_attribute(dataset, "units", std::string(units));
+    hdf5::write_attribute(dataset, "_FillValue", H5T_IEEE_F64LE, {&BestDesign::nan, 1}, true);
+  }
 }
 
-hdf5::Dataset create_tile_dataset(hid_t file, const std::string& name, hid_t type,
-                                  const std::vector<hsize_t>& extents,
-                                  const std::string& long_name) {
-  const std::string what = "create " + name;
-  const hdf5::Dataspace space(
-      H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr), what);
-  const hdf5::Properties creation(H5Pcreate(H5P_DATASET_CREATE), what);
-  // The ranks write it independently, so that it must be allocated.
-  check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), what);
-  const unsigned char zero = 0;
-  check(H5Pset_fill_value(creation, H5T_NATIVE_UCHAR, &zero), what);
-  hdf5::Dataset dataset(
-      H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, creation, H5P_DEFAULT), what);
-  hdf5::write_attribute(dataset, "long_name", long_name);
-  return dataset;
+/// Creates the datasets that tell which cells of the maps hold designs.
+void create_lattices(hid_t file, const Axes& axes, const Study& study) {
+  const auto& lattices = study.lattices();
+  const auto [n1, n3, n2] = study.extent();
+  std::vector<unsigned char> has_r1(lattices.size() * n1, 0);
+  std::vector<std::uint64_t> rows, of_scene;
+  for (std::size_t l = 0; l < lattices.size(); ++l) {
+    for (const std::size_t i1 : lattices[l].r1_indices()) has_r1[l * n1 + i1] = 1;
+    for (std::size_t i3 = 0; i3 < n3; ++i3) rows.push_back(lattices[l].row_length(i3));
+  }
+  for (std::uint64_t scene = 0; scene < study.scenes(); ++scene)
+    of_scene.push_back(study.lattice_of(scene));
+  const Axis lattice = create_dimension(file, "lattice", lattices.size());
+  const std::size_t outer = axes.size() - 3;
+  create(file, "scene_lattice", {axes.begin(), axes.begin() + static_cast<std::ptrdiff_t>(outer)},
+         of_scene, "number of the lattice of a scene");
+  create(file, "lattice_r1", {&lattice, axes[outer]}, has_r1,
+         "1 where a lattice has designs with this r1");
+  create(file, "lattice_rows", {&lattice, axes[outer + 1]}, rows,
+         "number of designs along r2, the first ones, at each r3 of a lattice");
 }
 
-void create_tile_datasets(hid_t file, const Skeleton& skeleton) {
+template <class Names>
+void create_table(hid_t file, const std::string& name, const Axis& tile, const Names& columns,
+                  const std::vector<std::uint64_t>& values, const std::string& long_name) {
+  const Axis column = create_dimension(file, name + "_column", columns.size());
+  const hdf5::Dataset table = create(file, name, {&tile, &column}, values, long_name);
+  hdf5::write_attribute(table, "columns", fmt::format("{}", fmt::join(columns, " ")));
+}
+
+void create_tables(hid_t file, const Skeleton& skeleton, const TileTable& table) {
   const Tiling& tiling = skeleton.tiling;
-  const hdf5::Dataset tile = create_dimension(file, "tile", tiling.size());
-  const hdf5::Dataset tally = create_dimension(file, "tally", tally_columns.size());
-  const hdf5::Dataset done = create_tile_dataset(file, "tile_done", H5T_STD_U8LE, {tiling.size()},
-                                                 "1 where the tile's designs are done");
-  check(H5DSattach_scale(done, tile, 0), "create tile_done");
-  const Index3& edge = tiling.edge();
-  hdf5::write_attribute(done, "edge_r1", static_cast<unsigned long long>(edge[0]));
-  hdf5::write_attribute(done, "edge_r3", static_cast<unsigned long long>(edge[1]));
-  hdf5::write_attribute(done, "edge_r2", static_cast<unsigned long long>(edge[2]));
-  const hdf5::Dataset tallies =
-      create_tile_dataset(file, "tile_tally", H5T_IEEE_F64LE, {tiling.size(), tally_columns.size()},
-                          "results of the tile's designs");
-  check(H5DSattach_scale(tallies, tile, 0), "create tile_tally");
-  check(H5DSattach_scale(tallies, tally, 1), "create tile_tally");
-  hdf5::write_attribute(tallies, "columns", fmt::format("{}", fmt::join(tally_columns, " ")));
-  const auto columns = checksum_columns(skeleton.maps, is_study(skeleton.study.job()));
-  const hdf5::Dataset checksum = create_dimension(file, "checksum", columns.size());
-  const hdf5::Dataset checksums = create_tile_dataset(
-      file, "tile_checksum", H5T_STD_U64LE, {tiling.size(), columns.size()},
-      fmt::format("XXH3 checksums of the tile's values in each map{}, and of "
-                  "its row of tile_tally",
-                  is_study(skeleton.study.job()) ? ", of the optimum in a scene's last tile" : ""));
-  check(H5DSattach_scale(checksums, tile, 0), "create tile_checksum");
-  check(H5DSattach_scale(checksums, checksum, 1), "create tile_checksum");
-  hdf5::write_attribute(checksums, "columns", fmt::format("{}", fmt::join(columns, " ")));
+  std::vector<std::uint64_t> blocks;
+  for (std::uint64_t t = 0; t < tiling.size(); ++t) {
+    const auto [scene, block] = tiling.tile(t);
+    blocks.push_back(scene);
+    blocks.insert(blocks.end(), block.first.begin(), block.first.end());
+    blocks.insert(blocks.end(), block.count.begin(), block.count.end());
+  }
+  const Axis tile = create_dimension(file, "tile", tiling.size());
+  create_table(file, "tile_block", tile, block_columns, blocks,
+               "scene, first cell and extent of the tile");
+  create_table(file, "tile_designs", tile, status_names, table.designs,
+               "designs of the tile with each status");
+  create_table(file, "tile_checksum", tile,
+               checksum_columns(skeleton.maps, is_study(skeleton.study.job())), table.checksums,
+               "XXH3 checksums of the tile");
 }
 
 /// Writes one cell in each of some chunks of a map.
-void write_cells(hid_t map, double fill, const MapShape& shape, const Tiling& tiling,
-                 const TileRange& tiles) {
+void write_cells(hid_t map, double fill, const Skeleton& skeleton, const TileRange& tiles) {
   if (tiles.first == tiles.end) return;
   const std::string what = "allocate a map";
   const hdf5::Dataspace space(H5Dget_space(map), what);
+  const auto extents = map_extents(skeleton.study);
   std::vector<hsize_t> cells;
   for (std::uint64_t t = tiles.first; t < tiles.end; ++t) {
-    const auto cell = shape.first_cell(tiling.tile(t));
+    const auto cell = map_block(skeleton.tiling.tile(t), extents).first;
     cells.insert(cells.end(), cell.begin(), cell.end());
   }
   const hsize_t count = tiles.end - tiles.first;
@@ -228,23 +209,28 @@ void write_cells(hid_t map, double fill, const MapShape& shape, const Tiling& ti
 }
 
 void write_cells(hid_t file, const Skeleton& skeleton, const TileRange& tiles) {
-  const MapShape shape(skeleton.study);
   for (const MapInfo& info : skeleton.maps)
-    write_cells(hdf5::open_dataset(file, info.dataset), info.fill, shape, skeleton.tiling, tiles);
+    write_cells(hdf5::open_dataset(file, info.dataset), info.fill, skeleton, tiles);
 }
 
 }  // namespace
 
-void create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton) {
+void create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton,
+                     const TileTable& table) {
   hdf5::silence();
   const std::string what = "create " + path.string();
   hdf5::File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), what);
-  auto axes = create_axes(file, skeleton.study);
-  for (const MapInfo& info : skeleton.maps) create_map(file, axes, info, skeleton);
-  if (is_study(skeleton.study.job())) create_optima(file, axes, skeleton);
-  create_tile_datasets(file, skeleton);
+  {
+    const std::vector<Axis> created = create_axes(file, skeleton.study);
+    Axes axes;
+    for (const Axis& axis : created) axes.push_back(&axis);
+    for (const MapInfo& info : skeleton.maps) create_map(file, axes, info, skeleton);
+    if (is_study(skeleton.study.job()))
+      create_optima(file, {axes.begin(), axes.end() - 3}, skeleton);
+    create_lattices(file, axes, skeleton.study);
+    create_tables(file, skeleton, table);
+  }
   write_attributes(file, skeleton.attributes);
-  axes.clear();
   file.close(what);
 }
 
@@ -264,24 +250,6 @@ void allocate_chunks(const std::filesystem::path& path, const Skeleton& skeleton
   hdf5::File file = hdf5::open_parallel(path, MPI_COMM_SELF);
   write_cells(file, skeleton, {1, skeleton.tiling.size()});
   file.close("close " + path.string());
-}
-
-std::uint64_t bytes_in(const Tile& tile, const std::vector<MapInfo>& maps) {
-  std::uint64_t bytes = 0;
-  for (const MapInfo& map : maps) bytes += tile.block.cells() * H5Tget_size(file_type(map.type));
-  return bytes;
-}
-
-NeededSpace needed_space(const Study& study, const Tiling& tiling, const std::vector<MapInfo>& maps,
-                         int compression) {
-  constexpr std::uintmax_t record_header = 40;
-  const Tile whole{0, {{}, tiling.edge()}};  // a chunk is stored whole
-  NeededSpace needed{0, 0};
-  for (std::uint64_t t = 0; t < tiling.size(); ++t)
-    needed.journals += record_header + sizeof(Tally) + bytes_in(tiling.tile(t), maps);
-  if (compression == 0) needed.archive = tiling.size() * (bytes_in(whole, maps) + sizeof(TallyRow));
-  if (is_study(study.job())) needed.archive += study.scenes() * sizeof(SceneOptimum);
-  return needed;
 }
 
 }  // namespace trebsweep

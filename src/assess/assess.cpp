@@ -6,11 +6,9 @@
 #include <filesystem>
 #include <iterator>
 
-#include "trebsweep/archive/archive_format.hpp"
 #include "trebsweep/archive/hdf5.hpp"
-#include "trebsweep/archive/output_path.hpp"
-#include "trebsweep/archive/output_state.hpp"
-#include "trebsweep/archive/partial.hpp"
+#include "trebsweep/archive/layout.hpp"
+#include "trebsweep/archive/output_file.hpp"
 #include "trebsweep/assess/assessment_tables.hpp"
 #include "trebsweep/assess/cases.hpp"
 #include "trebsweep/assess/measurement.hpp"
@@ -22,22 +20,19 @@ namespace trebsweep {
 namespace {
 
 /// Writes the tables under a temporary name, then renames the file.
-void write_file(const OutputState& output, const std::vector<Table>& tables, const Job& job,
+void write_file(const OutputFile& output, const std::vector<Table>& tables, const Job& job,
                 const AssessOptions& options, std::uint64_t ranks) {
-  const auto temporary = new_path(output.path);  // no other process uses it: output holds the lock
-  const std::string what = "write " + temporary.string();
+  const auto path = unfinished_archive(partial_path(output.path));
+  const std::string what = "write " + path.string();
   hdf5::silence();
-  std::filesystem::remove(temporary);
-  hdf5::File file(H5Fcreate(temporary.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT), what);
-  // Writes HDF5's signature, by which a later run recognizes a file that a killed run left.
-  hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), what);
-  hdf5::write_attribute(file, "title", std::string("Trebuchet assessment"));
-  hdf5::write_attribute(file, "source", version_text());
-  hdf5::write_attribute(file, "history", history_line(options.command, ranks));
-  hdf5::write_attribute(file, "job", to_text(job, true));
+  hdf5::File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), what);
+  write_attributes(file, {{"title", std::string("Trebuchet assessment")},
+                          {"source", version_text()},
+                          {"history", history_line(options.command, ranks)},
+                          {"job", to_text(job, true)}});
   for (const Table& table : tables) write(file, table);
   file.close(what);
-  rename_to_final(temporary, output.path, output.replaces);
+  finish_output(output);
 }
 
 }  // namespace
@@ -49,7 +44,7 @@ std::vector<Table> assess(const Job& job, const AssessOptions& options, MPI_Comm
   const auto report = [&](const std::string& stage) {
     if (reports) print_message(fmt::format("{:6.1f} s  {}\n", MPI_Wtime() - start, stage));
   };
-  OutputState output;  // on rank 0 only
+  OutputFile output;  // on rank 0 only
   mpi::on_root(comm, [&] { output = reserve_output(job, options.overwrite); });
   std::vector<Case> cases = make_cases(job, options.job_name, comm);
 

@@ -9,7 +9,9 @@
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/base/version.hpp"
 #include "trebsweep/cli/info.hpp"
+#include "trebsweep/cli/sweep_report.hpp"
 #include "trebsweep/cli/trace.hpp"
+#include "trebsweep/cli/warnings.hpp"
 #include "trebsweep/job/load_job.hpp"
 #include "trebsweep/job/study.hpp"
 #include "trebsweep/optimum/report.hpp"
@@ -25,14 +27,15 @@ constexpr int stopped = 75;  // EX_TEMPFAIL: to be tried again
 
 bool is_root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
 
-void print_summary(const Summary& summary, const Job& job) {
+void print_report(const SweepResult& result, const Study& study) {
+  const Job& job = study.job();
   const int ranks = mpi::size(MPI_COMM_WORLD);
   const std::string axes = trough_axes_text(job);
   print_result(fmt::format("scene     {}\n{}solver    {}\n{} on {} {}\narchive   {}\n",
                            scene_text(job), axes.empty() ? "" : "axes      " + axes + "\n",
-                           solver_text(job.solver), to_text(summary, job), ranks,
+                           solver_text(job.solver), to_text(result.summary, job), ranks,
                            ranks == 1 ? "rank" : "ranks", job.output.file));
-  for (const std::string& line : summary.warnings) print_message("warning: " + line + "\n");
+  for (const std::string& line : warnings(study, result)) print_message("warning: " + line + "\n");
 }
 
 void print_stopped(const Summary& summary, bool overwrite) {
@@ -60,25 +63,25 @@ void run_trace(const CommandLine& line) {
 int run_sweep(const CommandLine& line, const std::string& command, const StopSignals& signals) {
   const double deadline = MPI_Wtime() + line.time_limit;
   const auto stop = [&] { return signals.requested() || MPI_Wtime() >= deadline; };
-  const Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
+  const Study study(load_job(line.file, line.overrides, MPI_COMM_WORLD));
   const SweepOptions options{.overwrite = line.overwrite,
                              .progress = line.progress,
                              .command = command,
                              .refine = refine,
                              .stop = stop};
-  const auto summary = sweep(job, options, MPI_COMM_WORLD);
-  if (!summary) {
+  const auto result = sweep(study, options, MPI_COMM_WORLD);
+  if (!result) {
     if (is_root())
       print_message(
           fmt::format("{} holds the complete archive of this job; --overwrite computes it again\n",
-                      job.output.file));
+                      study.job().output.file));
     return complete;
   }
-  if (!summary->complete) {
-    if (is_root()) print_stopped(*summary, line.overwrite);
+  if (!result->summary.complete) {
+    if (is_root()) print_stopped(result->summary, line.overwrite);
     return stopped;
   }
-  if (is_root()) print_summary(*summary, job);
+  if (is_root()) print_report(*result, study);
   return complete;
 }
 

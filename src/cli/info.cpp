@@ -5,21 +5,21 @@
 
 #include <algorithm>
 #include <boost/algorithm/string.hpp>
+#include <boost/interprocess/anonymous_shared_memory.hpp>
+#include <functional>
+#include <span>
 #include <stdexcept>
 #include <system_error>
 
-#include "trebsweep/archive/archive_contents.hpp"
-#include "trebsweep/archive/archive_header.hpp"
-#include "trebsweep/archive/assessment_contents.hpp"
+#include "trebsweep/archive/archive_reader.hpp"
 #include "trebsweep/archive/file_lock.hpp"
-#include "trebsweep/archive/output_path.hpp"
+#include "trebsweep/archive/output_file.hpp"
 #include "trebsweep/archive/regular_file.hpp"
-#include "trebsweep/archive/summary.hpp"
-#include "trebsweep/archive/untrusted_file.hpp"
 #include "trebsweep/archive/verify.hpp"
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/cli/child_process.hpp"
+#include "trebsweep/cli/sweep_report.hpp"
 #include "trebsweep/job/job.hpp"
-#include "trebsweep/sweep/archive_metadata.hpp"
 #include "trebsweep/sweep/unfinished.hpp"
 
 namespace trebsweep {
@@ -29,22 +29,10 @@ namespace fs = std::filesystem;
 
 bool is_partial(const fs::path& path) { return path.extension() == ".partial"; }
 
-/// The path that an archive has when it is complete.
-fs::path final_path(const fs::path& given) {
-  const fs::path path = follow_links(given);
-  return is_partial(path) ? fs::path(path).replace_extension() : path;
-}
-
-/// The process that is writing an archive, if any.
-std::optional<std::string> writer_of(const fs::path& path) {
-  return lock_holder(lock_path(final_path(path)));
-}
-
-std::string describe_assessment(const fs::path& path) {
-  const AssessmentContents contents = read_assessment(path);
+std::string describe_assessment(const fs::path& path, const ArchiveHeader& header) {
   return fmt::format("archive   {}, an assessment\ntables    {}\nsource    {}\nhistory   {}\n\n{}",
-                     path.string(), fmt::join(contents.tables, ", "), contents.source,
-                     boost::replace_all_copy(contents.history, "\n", "\n          "), contents.job);
+                     path.string(), fmt::join(header.tables, ", "), header.source,
+                     boost::replace_all_copy(header.history, "\n", "\n          "), header.job);
 }
 
 /// The share of the tiles that are done.
@@ -55,21 +43,25 @@ std::string share_text(std::uint64_t done, std::uint64_t tiles) {
 
 /// What is said of a sweep before and after its summary.
 struct SweepText {
-  std::string progress, scene, source, history, job;
+  std::string progress, scene, lattice, source, history, job;
   std::uint64_t tiles, tiles_done;
   Index3 tile_edge;
 };
 
-std::string describe(const fs::path& path, const SweepText& sweep, const Study& study,
-                     const Summary& summary) {
-  const Job& job = study.job();
+/// `designs` are those of all scenes; 0 if unknown.
+std::string lattice_text(const Index3& extent, std::uint64_t designs, std::uint64_t scenes) {
+  std::string text = fmt::format("{} (r1 x r3 x r2)", fmt::join(extent, " x "));
+  if (designs > 0) text += fmt::format(", {} designs", designs);
+  return scenes > 1 ? fmt::format("{} in {} scenes", text, scenes) : text;
+}
+
+std::string describe(const fs::path& path, const SweepText& sweep, const Summary& summary) {
+  const Job job = parse_job(sweep.job, path, {});
   std::string text = fmt::format("archive   {}, {}\n", path.string(), sweep.progress);
   text += fmt::format("scene     {}\nsolver    {}\n", sweep.scene, solver_text(job.solver));
   text += fmt::format("tiles     {} of {} done, of {} designs (r1 x r3 x r2)\n", sweep.tiles_done,
                       sweep.tiles, fmt::join(sweep.tile_edge, " x "));
-  text += fmt::format("lattice   {} (r1 x r3 x r2), {} designs{}\n",
-                      fmt::join(study.extent(), " x "), study.designs(),
-                      study.scenes() > 1 ? fmt::format(" in {} scenes", study.scenes()) : "");
+  text += fmt::format("lattice   {}\n", sweep.lattice);
   return text + to_text(summary, job) +
          fmt::format("\nsource    {}\nhistory   {}\n\n{}", sweep.source,
                      boost::replace_all_copy(sweep.history, "\n", "\n          "), sweep.job);
@@ -77,51 +69,53 @@ std::string describe(const fs::path& path, const SweepText& sweep, const Study& 
 
 std::string describe_unfinished(const fs::path& folder) {
   const Unfinished sweep(folder);
-  const auto& [job, source, kernel, numerics, edge, replaces, history] = sweep.description();
-  const auto writer = writer_of(folder);
-  const std::string share = share_text(sweep.tiles_done(), sweep.tiling().size());
+  const PartialSweep& description = sweep.description();
+  const Study& study = sweep.study();
+  const auto writer = lock_holder(folder);
   return describe(
       folder,
-      {.progress = fmt::format("unfinished, {}; {}", share,
+      {.progress = fmt::format("unfinished, {}; {}", share_text(sweep.tiles_done(), sweep.tiles()),
                                writer ? "being written by " + *writer
                                       : "interrupted: run the command of the sweep again to "
                                         "continue it"),
-       .scene = scene_text(sweep.study().job()),
-       .source = fmt::format("{}, {}", source, kernel),
-       .history = fmt::format("{}", fmt::join(history, "\n")),
-       .job = job,
-       .tiles = sweep.tiling().size(),
+       .scene = scene_text(study.job()),
+       .lattice = lattice_text(study.extent(), study.designs(), study.scenes()),
+       .source = fmt::format("{}, {}", description.source, description.kernel),
+       .history = sweep.history(),
+       .job = description.job,
+       .tiles = sweep.tiles(),
        .tiles_done = sweep.tiles_done(),
-       .tile_edge = edge},
-      sweep.study(), sweep.summary());
+       .tile_edge = description.tile_edge},
+      sweep.summary());
 }
 
 /// The progress of an archive.
 std::string progress_text(const ArchiveContents& contents) {
-  return contents.complete() ? "complete"
-                             : "a snapshot of an unfinished sweep, " +
-                                   share_text(contents.tiles_done, contents.tiles);
+  return contents.summary.complete ? "complete"
+                                   : "a snapshot of an unfinished sweep, " +
+                                         share_text(contents.tiles_done, contents.tiles.size());
 }
 
 std::string describe_sweep(const fs::path& path) {
   const ArchiveContents contents = read_contents(path);
-  const Job job = parse_job(contents.job, path, {});
-  const Study study(job);
-  Summary summary = to_summary(contents.tally(), study);
-  summary.optima = contents.optima;
-  summary.complete = contents.complete();
-  summary.error = contents.error;
-  summary.refined = is_study(job) ? best_refined(job, contents.optima) : contents.refined;
-  return describe(path,
-                  {.progress = progress_text(contents),
-                   .scene = contents.scene,
-                   .source = fmt::format("{}, {}", contents.source, contents.kernel),
-                   .history = contents.history,
-                   .job = contents.job,
-                   .tiles = contents.tiles,
-                   .tiles_done = contents.tiles_done,
-                   .tile_edge = contents.tile_edge},
-                  study, summary);
+  const Summary& summary = contents.summary;
+  const auto& [r1, r3, r2] = contents.axes;
+  Index3 edge{};
+  for (const Tile& tile : contents.tiles)
+    for (std::size_t d = 0; d < 3; ++d) edge[d] = std::max(edge[d], tile.block.count[d]);
+  return describe(
+      path,
+      {.progress = progress_text(contents),
+       .scene = contents.scene,
+       .lattice = lattice_text({r1.size(), r3.size(), r2.size()},
+                               summary.complete ? summary.designs() : 0, contents.scenes()),
+       .source = fmt::format("{}, {}", contents.header.source, contents.kernel),
+       .history = contents.header.history,
+       .job = contents.header.job,
+       .tiles = contents.tiles.size(),
+       .tiles_done = contents.tiles_done,
+       .tile_edge = edge},
+      summary);
 }
 
 /// The path itself if it exists, otherwise that of its partial sweep.
@@ -147,28 +141,64 @@ fs::path checked_path(const fs::path& given) {
   return path;
 }
 
-/// Calls `read`, of an archive first in a child process, since HDF5 crashes on some damaged files.
-/// Adds the path to the message of a failure.
-template <class F>
-auto read_or_explain(const fs::path& path, F read) {
+constexpr unsigned cpu_seconds = 10, wall_seconds = 60;  // a file system may be slow
+
+/// Whether `read` completes in a child process: HDF5 crashes on some damaged files, and hangs on
+/// others. Throws std::system_error, which names the path, if that cannot be decided.
+bool completes(const fs::path& path, const std::function<void()>& read) {
   try {
-    return is_partial_sweep(path) ? read() : untrusted::read(path, read);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(
-        fmt::format("{}: {}; not an archive of this format version, or a damaged one",
-                    path.string(), error.what()));
+    return completes_in_child(read, cpu_seconds, wall_seconds);
+  } catch (const std::system_error& error) {
+    throw std::system_error(error.code(), "cannot read " + path.string());
   }
 }
 
-/// The damage in the tiles that are done.
-std::vector<Damage> find_damage(const fs::path& path, const std::vector<MapInfo>& maps,
-                                const Study& study, const Tiling& tiling, ProgressStyle style) {
+/// Calls `read`, of an archive first in a child process. Adds the path to the message of a failure.
+template <class F>
+auto read_or_explain(const fs::path& path, F read) {
+  const auto fail = [&](const std::string& why) {
+    throw std::runtime_error(fmt::format(
+        "{}: {}; not an archive of this format version, or a damaged one", path.string(), why));
+  };
+  if (!is_partial_sweep(path) && !completes(path, [&] { read(); }))
+    fail("damaged: HDF5 cannot read it");
+  try {
+    return read();
+  } catch (const std::runtime_error& error) {
+    fail(error.what());
+    throw;
+  }
+}
+
+/// A part of a tile whose bytes do not match their checksum, or cannot be read.
+struct Damage {
+  std::uint64_t tile;
+  std::size_t column;  ///< of ArchiveContents::checksum_columns
+};
+
+/// Verifies tiles in a child process: what it has not reached when HDF5 crashes or hangs is
+/// damaged.
+std::vector<Damage> find_damage(const fs::path& path, const ArchiveContents& contents,
+                                const TileRange& tiles) {
+  const std::size_t columns = contents.checksum_columns.size();
+  const std::size_t flags = (tiles.end - tiles.first) * columns;
+  const auto shared = boost::interprocess::anonymous_shared_memory(flags * sizeof(bool));
+  const std::span<bool> intact(static_cast<bool*>(shared.get_address()), flags);
+  completes(path, [&] { verify(path, contents, tiles, intact); });
+  std::vector<Damage> damage;
+  for (std::size_t i = 0; i < flags; ++i)
+    if (!intact[i]) damage.push_back({tiles.first + i / columns, i % columns});
+  return damage;
+}
+
+std::vector<Damage> find_damage(const fs::path& path, const ArchiveContents& contents,
+                                ProgressStyle style) {
   std::vector<Damage> all;
-  Progress progress(0, tiling.size(), style, "tiles verified");
-  const std::uint64_t at_once = tiles_per_verification(maps, tiling);
-  for (std::uint64_t first = 0; first < tiling.size(); first += at_once) {
-    const TileRange tiles{first, std::min(first + at_once, tiling.size())};
-    const auto damage = find_damage(path, maps, study, tiling, tiles);
+  const std::uint64_t size = contents.tiles.size(), at_once = tiles_per_verification(contents);
+  Progress progress(0, size, style, "tiles verified");
+  for (std::uint64_t first = 0; first < size; first += at_once) {
+    const TileRange tiles{first, std::min(first + at_once, size)};
+    const auto damage = find_damage(path, contents, tiles);
     all.insert(all.end(), damage.begin(), damage.end());
     progress.update(tiles.end);
   }
@@ -176,14 +206,14 @@ std::vector<Damage> find_damage(const fs::path& path, const std::vector<MapInfo>
 }
 
 /// The part of the lattice, and the scene of a study, that a tile covers.
-std::string extent_text(const Tile& tile, const Study& study) {
+std::string extent_text(const Tile& tile, const ArchiveContents& contents, const Job& job) {
   const Block& block = tile.block;
   const auto range = [&](std::size_t d) {
-    const double low = study.axes()[d][block.first[d]],
-                 high = study.axes()[d][block.first[d] + block.count[d] - 1];
+    const double low = contents.axes[d][block.first[d]],
+                 high = contents.axes[d][block.first[d] + block.count[d] - 1];
     return low == high ? fmt::format("{}", low) : fmt::format("{} to {}", low, high);
   };
-  const std::string scene = outer_values_text(study.job(), tile.scene);
+  const std::string scene = outer_values_text(job, tile.scene);
   return fmt::format("{}{}r1 = {}, r3 = {}, r2 = {} m", scene, scene.empty() ? "" : ", ", range(0),
                      range(1), range(2));
 }
@@ -194,8 +224,8 @@ std::string describe_archive(const fs::path& given) {
   const fs::path path = checked_path(given);
   return read_or_explain(path, [&] {
     if (is_partial_sweep(path)) return describe_unfinished(path);
-    const auto archived = read_archive_header(path);
-    return archived && !archived->is_sweep ? describe_assessment(path) : describe_sweep(path);
+    const ArchiveHeader header = read_header(path);
+    return header.is_sweep() ? describe_sweep(path) : describe_assessment(path, header);
   });
 }
 
@@ -217,32 +247,27 @@ void verify_archive(const fs::path& given, ProgressStyle style, std::FILE* out) 
   if (is_partial_sweep(path))
     throw InputError(
         fmt::format("{}: an unfinished sweep; it is verified when it is continued", path.string()));
-  const auto header = read_or_explain(path, [&] { return read_archive_header(path); });
-  if (header && !header->is_sweep)
+  if (!read_or_explain(path, [&] { return read_header(path); }).is_sweep())
     throw std::runtime_error(
         fmt::format("{}: an assessment, which has no checksums", path.string()));
   const auto contents = read_or_explain(path, [&] { return read_contents(path); });
-  if (!contents.complete())
+  if (!contents.summary.complete)
     throw std::runtime_error(fmt::format("{}: {}; only complete archives are verified",
                                          path.string(), progress_text(contents)));
-  const Job job = parse_job(contents.job, path, {});
-  const Study study(job);
-  const auto tiling = read_or_explain(path, [&] { return contents.tiling(study); });
-  const auto maps = map_infos(job.output);
-  const auto damage = find_damage(path, maps, study, tiling, style);
+  const auto damage = find_damage(path, contents, style);
 
   fmt::print(out, "archive   {}, {}\n", path.string(), progress_text(contents));
-  const auto columns = checksum_columns(maps, is_study(job));
+  const Job job = parse_job(contents.header.job, path, {});
   for (const auto& [tile, column] : damage)
-    fmt::print(out, "damaged   {}, tile {}: {}\n", columns[column], tile,
-               extent_text(tiling.tile(tile), study));
+    fmt::print(out, "damaged   {}, tile {}: {}\n", contents.checksum_columns[column], tile,
+               extent_text(contents.tiles[tile], contents, job));
   if (!damage.empty())
     throw std::runtime_error(
         fmt::format("{}: damaged; compute it again: repeat the command of the sweep with "
                     "--overwrite",
                     path.string()));
-  fmt::print(out, "verified  {} tiles: every value of {} is as written\n", contents.tiles,
-             fmt::join(columns, ", "));
+  fmt::print(out, "verified  {} tiles: every value of {} is as written\n", contents.tiles.size(),
+             fmt::join(contents.checksum_columns, ", "));
 }
 
 }  // namespace trebsweep

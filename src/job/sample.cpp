@@ -48,13 +48,13 @@ std::vector<Index3> with_sobol(std::set<Index3> given, std::size_t count, const 
 
 Block whole(const Lattice& lattice) { return {{0, 0, 0}, lattice.extent()}; }
 
+}  // namespace
+
 std::vector<Design<double>> designs_at(const std::vector<Index3>& indices, const Lattice& lattice) {
   std::vector<Design<double>> designs;
   for (const Index3& index : indices) designs.push_back(lattice.design(index));
   return designs;
 }
-
-}  // namespace
 
 std::vector<Design<double>> all_designs(const Lattice& lattice) {
   return designs_at(indices_in(lattice, whole(lattice)), lattice);

@@ -284,7 +284,7 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
   return result;
 }
 
-std::optional<RefinedOptimum> refine(const Job& job, const Design<double>& start) {
+std::optional<BestDesign> refine(const Job& job, const Design<double>& start) {
   std::uint64_t integrated = 0;
   const DesignProblem problem = design_problem(job, start);
   const NonlinearProgram program = nominal_program(problem, integrated);
@@ -295,7 +295,13 @@ std::optional<RefinedOptimum> refine(const Job& job, const Design<double>& start
   const VectorXd values = field_values(job.scene, job.solver, Accuracy::high, {&design, 1}, fields);
   const VectorXd others =
       field_values(job.scene, job.solver, Accuracy::check, {&design, 1}, fields);
-  return RefinedOptimum{{design, values(0), values(1), values(2)}, std::abs(values(0) - others(0))};
+  BestDesign best;
+  best.value = values(0);
+  best.speed = values(1);
+  best.design = design;
+  best.release_time = values(2);
+  best.error = std::abs(values(0) - others(0));
+  return best;
 }
 
 }  // namespace trebsweep

@@ -6,9 +6,10 @@
 #include <cmath>
 #include <span>
 
+#include "trebsweep/archive/layout.hpp"
 #include "trebsweep/job/sample.hpp"
-#include "trebsweep/sweep/archive_metadata.hpp"
 #include "trebsweep/sweep/objective.hpp"
+#include "trebsweep/sweep/schedule.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
@@ -36,10 +37,10 @@ struct Row {
 };
 
 /// The rows of tiles, grouped by scene.
-std::vector<Row> rows_of(const std::vector<NumberedTile>& tiles, const Study& study) {
+std::vector<Row> rows_of(const std::vector<Tile>& tiles, const Study& study) {
   std::vector<Row> rows;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
-    const auto& [scene, block] = tiles[t].tile;
+    const auto& [scene, block] = tiles[t];
     const auto& [first, count] = block;
     const Lattice& lattice = study.lattice(scene);
     const auto& r1 = lattice.r1_indices();
@@ -109,26 +110,12 @@ void store(const Study& study, const Batch& batch, std::span<const double> objec
   }
   const std::uint64_t cell = study.cell(row.scene, row.first);
   for (std::size_t k = 0; k < row.count; ++k)
-    tile.tally.add(batch.results[k], cell + k, objectives[k]);
-}
-
-/// Attributes lane steps to tiles in proportion to their steps. Packs cross tiles, so that they can
-/// only be counted for all tiles together.
-void share_lane_steps(std::uint64_t lane_steps, std::vector<ComputedTile>& tiles) {
-  std::uint64_t steps_left = 0;
-  for (const ComputedTile& tile : tiles) steps_left += tile.tally.steps;
-  for (auto& [maps, tally] : tiles) {
-    const double share = static_cast<double>(tally.steps) /
-                         static_cast<double>(std::max<std::uint64_t>(1, steps_left));
-    tally.lane_steps = static_cast<std::uint64_t>(share * static_cast<double>(lane_steps));
-    steps_left -= tally.steps;
-    lane_steps -= tally.lane_steps;
-  }
+    tile.tally.add(batch.results[k], cell + k, batch.designs[k], objectives[k]);
 }
 
 }  // namespace
 
-std::vector<ComputedTile> compute(const std::vector<NumberedTile>& tiles, const Study& study,
+std::vector<ComputedTile> compute(const std::vector<Tile>& tiles, const Study& study,
                                   const std::function<bool()>& stop) {
   const Job& job = study.job();
   // Slices take at most about 0.2 s, since slow designs can take minutes per tile. Small ones stay
@@ -138,7 +125,7 @@ std::vector<ComputedTile> compute(const std::vector<NumberedTile>& tiles, const 
   std::vector<ComputedTile> computed(tiles.size());
   for (std::size_t t = 0; t < tiles.size(); ++t)
     for (const Field field : stored_fields(job.output))
-      computed[t].maps.emplace_back(tiles[t].tile.block.cells(), fill_value(field));
+      computed[t].maps.emplace_back(tiles[t].block.cells(), fill_value(field));
   std::vector<Row> rows = rows_of(tiles, study);
   std::size_t begun = 0;  // tiles
   Slice slice(job);
@@ -163,7 +150,8 @@ std::vector<ComputedTile> compute(const std::vector<NumberedTile>& tiles, const 
       n += part.count;
     }
   }
-  share_lane_steps(lane_steps, computed);
+  // Packs cross tiles, so that lane steps can only be counted for all tiles together.
+  if (!computed.empty()) computed.front().tally.lane_steps = lane_steps;
   return computed;
 }
 

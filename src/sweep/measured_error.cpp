@@ -50,12 +50,6 @@ Block box_around(const Index3& centre, double fraction, const Lattice& lattice) 
   return box;
 }
 
-std::vector<Design<double>> designs_at(const std::vector<Index3>& indices, const Lattice& lattice) {
-  std::vector<Design<double>> designs;
-  for (const Index3& index : indices) designs.push_back(lattice.design(index));
-  return designs;
-}
-
 /// Sets the slack and the objective of checks, which take long. In a separate integration, because
 /// a field of the flight changes statuses.
 void add_objectives(const Job& job, std::span<const Design<double>> designs,
@@ -160,14 +154,15 @@ std::vector<Index3> most_sensitive(const Job& job, const Lattice& lattice,
   return chosen;
 }
 
-/// The indices of the optimum and its neighbours, and of a design of each status.
-std::vector<Index3> notable_indices(const std::optional<Optimum>& optimum, const Summary& summary,
-                                    std::uint64_t scene, const Lattice& lattice) {
+/// The indices of the best design and its neighbours, and of a design of each status.
+std::vector<Index3> notable_indices(const Study& study, std::uint64_t scene, const Totals& totals) {
+  const Lattice& lattice = study.own_lattice(scene);
   std::vector<Index3> indices;
-  if (optimum)
-    indices = sample_box(lattice, box_around(lattice.index_of(optimum->design), 0, lattice), 27);
-  for (const auto& first : summary.first_of_statuses)
-    if (first.scene == scene) indices.push_back(lattice.index_of(first.design));
+  if (const BestDesign& best = totals.best[scene]; best.exists())
+    indices = sample_box(lattice, box_around(lattice.index_of(best.design), 0, lattice), 27);
+  for (const std::uint64_t cell : totals.tally.first_cells)
+    if (cell != no_cell && study.design(cell).first == scene)
+      indices.push_back(lattice.index_of(study.design(cell).second));
   return indices;
 }
 
@@ -177,44 +172,33 @@ void add_errors(std::span<const Check> checks, std::vector<double>& errors) {
     if (!std::isnan(c.error())) errors.push_back(c.error());
 }
 
-/// The error of the optimum's speed, m/s; NaN if it is not among the checks or has no release.
+/// The error of the best design's speed, m/s; NaN if it is not among the checks or has no release.
 /// Collective.
-double error_at_optimum(const Job& job, const Optimum& optimum, const std::vector<Check>& checks,
-                        const std::function<bool()>& stop, MPI_Comm comm) {
+double error_at_best(const Job& job, const BestDesign& best, const std::vector<Check>& checks,
+                     const std::function<bool()>& stop, MPI_Comm comm) {
   const auto found = std::find_if(checks.begin(), checks.end(),
-                                  [&](const Check& c) { return c.design == optimum.design; });
+                                  [&](const Check& c) { return c.design == best.design; });
   if (found == checks.end() || std::isnan(found->error())) return nan;
   // Rounding errors of double precision only matter where the error is small.
   const double tolerance = std::clamp(1e-4 * found->error(), 1e-15, 1e-13);
   double speed = nan;
   if (mpi::rank(comm) == 0 && !stop())
-    speed = speed_in_extended_precision(job.scene, optimum.design, tolerance, job.solver);
+    speed = speed_in_extended_precision(job.scene, best.design, tolerance, job.solver);
   speed = mpi::from_root(speed, comm);
-  return std::isnan(speed) ? found->error() : std::abs(optimum.speed - speed);
+  return std::isnan(speed) ? found->error() : std::abs(best.speed - speed);
 }
 
-}  // namespace
-
-std::vector<std::uint64_t> scenes_to_check(const Study& study, const Summary& summary) {
-  constexpr std::uint64_t spread = 8;
-  std::set<std::uint64_t> scenes;
-  if (summary.optimum) scenes.insert(summary.optimum->scene);
-  for (const auto& first : summary.first_of_statuses) scenes.insert(first.scene);
-  for (std::uint64_t n = 0; n < spread; ++n) scenes.insert(n * (study.scenes() - 1) / (spread - 1));
-  return {scenes.begin(), scenes.end()};
-}
-
+/// Checks designs of a scene; collective. Returns nothing once `stop` is true on any rank.
 std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
-                                       const std::optional<Optimum>& optimum,
-                                       const Summary& summary, double seconds,
+                                       const Totals& totals, double seconds,
                                        const std::function<bool()>& stop, MPI_Comm comm) {
   const Job job = job_at(study.job(), scene);
   const Lattice& lattice = study.own_lattice(scene);
   const double deadline = MPI_Wtime() + seconds;
   const auto stop_or_late = [&] { return stop() || MPI_Wtime() > deadline; };
   const double seconds_per_design =
-      summary.integration_seconds /
-      static_cast<double>(std::max<std::uint64_t>(1, summary.designs()));
+      totals.tally.integration_seconds /
+      static_cast<double>(std::max<std::uint64_t>(1, totals.tally.designs()));
   const auto part_size =
       static_cast<std::size_t>(std::clamp(0.01 / seconds_per_design, 16.0, 512.0));
   const Shares hurried{part_size, stop_or_late, comm}, patient{part_size, stop, comm};
@@ -235,7 +219,7 @@ std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
   };
   const std::size_t spread = sample_size(lattice, job);
   std::vector<Index3> sampled = sample_indices(lattice, spread);
-  const auto notable = notable_indices(optimum, summary, scene, lattice);
+  const auto notable = notable_indices(study, scene, totals);
   const auto others = std::ranges::partition(sampled, [&](const Index3& index) {
     return std::ranges::find(notable, index) != notable.end();
   });
@@ -256,20 +240,50 @@ std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
     std::erase_if(candidates, [&](const Index3& index) { return checked.contains(index); });
     add(most_sensitive(job, lattice, candidates, 16, hurried), false, hurried);
   }
-  if (optimum) sample.at_optimum = error_at_optimum(job, *optimum, sample.checks, stop, comm);
+  if (const BestDesign& best = totals.best[scene]; best.exists())
+    sample.at_best = error_at_best(job, best, sample.checks, stop, comm);
   if (mpi::max(stop() ? 1 : 0, comm) > 0) return std::nullopt;
   return sample;
 }
 
+/// The scenes in which the error is measured, in ascending order.
+std::set<std::uint64_t> scenes_to_check(const Study& study, const Totals& totals) {
+  constexpr std::uint64_t spread = 8;
+  std::set<std::uint64_t> scenes;
+  if (const auto best = best_scene(totals.best)) scenes.insert(*best);
+  if (const auto best = totals.summary().best()) scenes.insert(*best);
+  for (const std::uint64_t cell : totals.tally.first_cells)
+    if (cell != no_cell) scenes.insert(study.design(cell).first);
+  for (std::uint64_t n = 0; n < spread; ++n) scenes.insert(n * (study.scenes() - 1) / (spread - 1));
+  return scenes;
+}
+
+}  // namespace
+
+std::optional<std::vector<ErrorSample>> check_scenes(const Study& study, const Totals& totals,
+                                                     const std::function<bool()>& stop,
+                                                     MPI_Comm comm) {
+  const auto scenes = scenes_to_check(study, totals);
+  const double seconds =
+      std::max(1.0, 0.01 * totals.tally.sweep_seconds / static_cast<double>(scenes.size()));
+  std::vector<ErrorSample> samples;
+  for (const std::uint64_t scene : scenes) {
+    auto sample = check_scene(study, scene, totals, seconds, stop, comm);
+    if (!sample) return std::nullopt;
+    samples.push_back(std::move(*sample));
+  }
+  return samples;
+}
+
 std::optional<MeasuredError> measured_error(std::span<const ErrorSample> samples,
-                                            std::uint64_t best) {
+                                            std::uint64_t scene) {
   std::vector<double> spread, all;
   double at_best = nan, largest = nan;
   for (const ErrorSample& sample : samples) {
     add_errors(std::span(sample.checks).first(sample.spread), spread);
     add_errors(sample.checks, all);
-    largest = std::fmax(largest, sample.at_optimum);  // fmax(NaN, x) is x
-    if (sample.scene == best) at_best = sample.at_optimum;
+    largest = std::fmax(largest, sample.at_best);  // fmax(NaN, x) is x
+    if (sample.scene == scene) at_best = sample.at_best;
   }
   if (all.empty()) return std::nullopt;
   std::ranges::sort(spread);

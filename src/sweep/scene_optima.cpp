@@ -1,10 +1,9 @@
 #include "trebsweep/sweep/scene_optima.hpp"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
+#include <vector>
 
-#include "trebsweep/base/mpi.hpp"
 #include "trebsweep/sweep/objective.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
@@ -23,21 +22,29 @@ double accurate_value(const Job& job, const Design<double>& design) {
   return value;
 }
 
-SceneOptimum to_scene_optimum(const Optimum& optimum, double error) {
-  const auto& [r1, r3, r2] = optimum.design;
-  return {optimum.value, optimum.speed, r1, r3, r2, optimum.release_time, error};
+/// By the job's solver or, with optimum.refine, accurately, as the search does.
+BuildValues build_values(const Job& job, const Design<double>& design) {
+  SwingResult result;
+  std::array<double, build_fields.size()> values;
+  const Batch batch{{&design, 1}, {&result, 1}, build_fields, values};
+  if (job.optimum.refine)
+    integrate_accurately(job.scene, job.solver, batch);
+  else
+    integrate(job.scene, job.solver, batch);
+  return to_build_values(values);
 }
 
 }  // namespace
 
-SceneOptimum scene_optimum(const Job& job, const Optimum& optimum, const Refine& refine) {
-  if (job.optimum.refine)
-    if (const auto refined = refine(job, optimum.design))
-      return to_scene_optimum(refined->optimum, refined->error);
-  const double error = job.solver.check
-                           ? std::abs(optimum.value - accurate_value(job, optimum.design))
-                           : std::numeric_limits<double>::quiet_NaN();
-  return to_scene_optimum(optimum, error);
+BestDesign scene_optimum(const Job& job, const BestDesign& best, const Refine& refine) {
+  BestDesign optimum = best;
+  const auto refined = job.optimum.refine ? refine(job, best.design) : std::nullopt;
+  if (refined)
+    optimum = *refined;
+  else if (job.solver.check)
+    optimum.error = std::abs(best.value - accurate_value(job, best.design));
+  optimum.build = build_values(job, optimum.design);
+  return optimum;
 }
 
 }  // namespace trebsweep

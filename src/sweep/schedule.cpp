@@ -11,6 +11,14 @@ std::uint64_t tiles_along(const Index3& extent, const Index3& edge, std::size_t 
   return (extent[axis] + edge[axis] - 1) / edge[axis];
 }
 
+/// The largest divisor of the extent between two thirds of an edge and the edge, or the edge if
+/// there is none. HDF5 writes a chunk that the end of an axis cuts in many pieces.
+std::size_t even_edge(std::size_t edge, std::size_t extent) {
+  for (std::size_t e = edge; 3 * e >= 2 * edge; --e)
+    if (extent % e == 0) return e;
+  return edge;
+}
+
 }  // namespace
 
 Index3 tile_edge(const Index3& extent, std::uint64_t scenes, Maps maps, double design_seconds) {
@@ -23,6 +31,7 @@ Index3 tile_edge(const Index3& extent, std::uint64_t scenes, Maps maps, double d
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t longest = extent[d] > 2500 ? 64 : 48;
     edge[d] = std::min(extent[d], std::clamp<std::size_t>((extent[d] + 4) / 5, 16, longest));
+    if (d > 0) edge[d] = even_edge(edge[d], extent[d]);  // along r1 the pieces are large
   }
   // On a flat or linear lattice, or for many scenes, these edges give tiles of few cells.
   constexpr std::array<std::size_t, 3> axes{0, 1, 2};

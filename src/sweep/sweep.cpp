@@ -6,22 +6,15 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "trebsweep/archive/archive_writer.hpp"
 #include "trebsweep/archive/free_space.hpp"
 #include "trebsweep/archive/hdf5.hpp"
-#include "trebsweep/archive/output_path.hpp"
-#include "trebsweep/archive/output_state.hpp"
-#include "trebsweep/archive/partial.hpp"
+#include "trebsweep/archive/output_file.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/base/version.hpp"
-#include "trebsweep/sweep/archive_metadata.hpp"
-#include "trebsweep/sweep/best_designs.hpp"
 #include "trebsweep/sweep/compute.hpp"
-#include "trebsweep/sweep/measured_error.hpp"
 #include "trebsweep/sweep/rank_results.hpp"
 #include "trebsweep/sweep/schedule.hpp"
-#include "trebsweep/sweep/sweep_work.hpp"
-#include "trebsweep/sweep/warnings.hpp"
+#include "trebsweep/sweep/work_queue.hpp"
 #include "trebsweep/swing/kernel.hpp"
 
 namespace trebsweep {
@@ -29,27 +22,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What every stage of a sweep uses.
-struct Context {
-  const Study& study;
-  const SweepOptions& options;
-  std::string history;  ///< this run's line in the archive's history
-  MPI_Comm comm;
-};
-
 /// The state of a sweep before its first tile.
 struct Start {
   bool complete = false;  ///< the archive of this job already exists
-  bool resumes = false;   ///< an unfinished sweep of this job exists
-  std::size_t runs = 0;   ///< of the unfinished sweep
+  std::size_t run = 0;    ///< the number of this run of the sweep
   Index3 tile_edge{};
   double design_seconds = 0;  ///< to integrate a design; 0: not measured
 };
 
-/// Only rank 0 reports progress.
-ProgressStyle progress_style(const Context& context) {
-  return mpi::rank(context.comm) == 0 ? context.options.progress : ProgressStyle::none;
-}
+/// What every stage of a sweep uses.
+struct Context {
+  const Study& study;
+  const Tiling& tiling;
+  const SweepOptions& options;
+  Start start;
+  double start_time;  ///< MPI_Wtime() at the start
+  MPI_Comm comm;
+};
 
 /// Refuses to mix ranks with and without fused multiply-add: results would depend on the rank that
 /// computed them. Collective.
@@ -62,179 +51,192 @@ void check_kernels(MPI_Comm comm) {
 }
 
 /// Takes the tiles of an unfinished sweep, or chooses those of a new one. For rank 0 only.
-Start find_start(const Context& context, const OutputState& output) {
-  const Study& study = context.study;
-  Start start;
-  start.complete = output.complete;
-  start.resumes = output.partial.has_value();
-  if (start.resumes) {
+void find_tiles(const Study& study, const SweepOptions& options, const OutputFile& output,
+                Start& start) {
+  if (output.partial) {
     start.tile_edge = output.partial->tile_edge;
-    start.runs = output.partial->history.size();
-  } else if (context.options.tile_edge) {
-    start.tile_edge = *context.options.tile_edge;
-  } else if (!start.complete) {
-    start.design_seconds = seconds_per_design(study, context.options.stop);
+    start.run = output.partial->history.size();
+  } else if (options.tile_edge) {
+    start.tile_edge = *options.tile_edge;
+  } else {
+    start.design_seconds = seconds_per_design(study, options.stop);
     start.tile_edge =
         tile_edge(study.extent(), study.scenes(), study.job().output.maps, start.design_seconds);
   }
   for (std::size_t d = 0; d < 3; ++d)
     start.tile_edge[d] = std::min(start.tile_edge[d], study.extent()[d]);
-  return start;
 }
 
-/// Creates the folder of a new sweep, or adds this run to the history of an earlier one. For rank
+/// Describes a new sweep in its folder, or adds this run to the history of an earlier one. For rank
 /// 0.
-void open_folder(const Context& context, const OutputState& output, const Start& start,
-                 const Tiling& tiling) {
+void open_folder(const Context& context, const OutputFile& output) {
   const Job& job = context.study.job();
   const fs::path folder = partial_path(output.path);
+  if (!output.partial) {
+    const auto [archive, journals] = needed_space(context.study, context.tiling,
+                                                  map_infos(job.output), job.output.compression);
+    require_space(job, unfinished_archive(folder), archive, archive + journals);
+    clear_partial(folder);
+  }
   PartialSweep sweep =
       output.partial.value_or(PartialSweep{.job = to_text(job),
                                            .source = version_text(),
                                            .kernel = std::string(instruction_set()),
                                            .numerics = numerics_version,
-                                           .tile_edge = start.tile_edge,
+                                           .tile_edge = context.start.tile_edge,
                                            .replaces = output.replaces,
                                            .history = {}});
-  sweep.history.push_back(context.history);
-  if (!start.resumes) remove_partial(folder);
+  const auto ranks = static_cast<std::uint64_t>(mpi::size(context.comm));
+  sweep.history.push_back(history_line(context.options.command, ranks));
   write_partial_sweep(folder, sweep);
-  if (start.resumes) return;
-  try {
-    const auto [archive, journals] =
-        needed_space(context.study, tiling, map_infos(job.output), job.output.compression);
-    require_space(job, unfinished_archive(folder), archive, archive + journals);
-  } catch (...) {
-    remove_partial(folder);
-    throw;
-  }
 }
 
-/// The optimum between the designs of the lattice: of a study that of the best scene, otherwise
-/// found now on rank 0. Collective.
-std::optional<RefinedOptimum> refined(const Context& context, const Summary& summary,
-                                      const RankResults& results) {
+/// The numbers of designs in the first n tiles of a list, n = 0, 1, ...
+std::vector<std::uint64_t> cumulated_designs(const Context& context,
+                                             const std::vector<std::uint64_t>& tiles) {
+  std::vector<std::uint64_t> designs{0};
+  for (const std::uint64_t number : tiles) {
+    const Tile tile = context.tiling.tile(number);
+    designs.push_back(designs.back() + context.study.lattice(tile.scene).designs_in(tile.block));
+  }
+  return designs;
+}
+
+/// Computes the tiles that are to be done, which the ranks share out. Collective; returns whether
+/// all are done. Throws mpi::RootError if a journal cannot be written.
+bool compute_tiles(const Context& context, RankResults& results) {
+  const auto& [study, tiling, options, start, start_time, comm] = context;
+  const auto maps = map_infos(study.job().output);
+  const auto& to_do = results.tiles_to_do();
+  const auto designs = cumulated_designs(context, to_do);
+  const std::uint64_t before = study.designs() - designs.back();
+  Progress progress(before, study.designs(),
+                    mpi::rank(comm) == 0 ? options.progress : ProgressStyle::none);
+  const double ranks = mpi::size(comm);
+  double counted = start_time;  // the time up to which tallies count
+  const auto work = [&, &study = study, &tiling = tiling](
+                        const TileRange& range,
+                        const std::function<bool()>& poll) -> std::uint64_t {
+    std::vector<Tile> tiles;
+    for (std::uint64_t n = range.first; n < range.end; ++n) tiles.push_back(tiling.tile(to_do[n]));
+    const double begin = MPI_Wtime();
+    auto computed = compute(tiles, study, poll);
+    const double end = MPI_Wtime();
+    const std::uint64_t done = range.first + computed.size();
+    const auto all = static_cast<double>(designs[done] - designs[range.first]);
+    for (std::size_t i = 0; i < computed.size(); ++i) {
+      auto& [values, tally] = computed[i];
+      const double share = static_cast<double>(tally.designs()) / all / ranks;
+      tally.integration_seconds = share * (end - begin);
+      tally.sweep_seconds = share * (end - counted);
+      results.add(RecordKind::tile, to_do[range.first + i], to_bytes(tally, values, maps));
+    }
+    counted = end;
+    progress.update(before + designs[done]);
+    return computed.size();
+  };
+  const double tile_seconds = start.design_seconds * static_cast<double>(study.designs()) /
+                              static_cast<double>(tiling.size());
+  // As many as share_out() wants; a resumed sweep has not measured the time.
+  const double first = tile_seconds > 0 ? std::clamp(0.25 / tile_seconds, 1.0, 1e9) : 1;
+  const std::uint64_t most = std::max<std::uint64_t>(
+      1, (std::uint64_t{64} << 20) / result_bytes({{}, tiling.edge()}, maps));
+  const bool all =
+      share_out(to_do.size(), static_cast<std::uint64_t>(first), most, work, options.stop, comm);
+  results.totals().tally.sweep_seconds += (MPI_Wtime() - counted) / ranks;
+  results.combine_tiles(comm);
+  return all;
+}
+
+/// Finds the optima of the scenes that are to be done, from the best designs of their lattices.
+/// Collective; returns whether all are done. Throws as compute_tiles() does, and if the refinement
+/// throws.
+bool find_optima(const Context& context, RankResults& results) {
   const Job& job = context.study.job();
-  if (!job.optimum.refine || !summary.optimum) return std::nullopt;
-  std::optional<RefinedOptimum> found;
-  mpi::on_root(context.comm, [&] {
-    found = is_study(job) ? best_refined(job, results.optima())
-                          : context.options.refine(job, summary.optimum->design);
-  });
-  return mpi::from_root(found, context.comm);
-}
-
-/// Checks designs of some of the scenes; collective. Returns nothing if any rank was stopped.
-std::optional<std::vector<ErrorSample>> check_scenes(const Context& context, const Summary& summary,
-                                                     const RankResults& results) {
-  const Study& study = context.study;
-  const auto scenes = scenes_to_check(study, summary);
-  const double seconds =
-      std::max(1.0, 0.01 * summary.sweep_seconds / static_cast<double>(scenes.size()));
-  std::vector<ErrorSample> samples;
-  for (const std::uint64_t scene : scenes) {
-    auto sample = check_scene(study, scene, optimum_at(results.best()[scene], study), summary,
-                              seconds, context.options.stop, context.comm);
-    if (!sample) return std::nullopt;
-    samples.push_back(std::move(*sample));
-  }
-  return samples;
-}
-
-/// Adds to the summary of a complete sweep what is known once all tiles are done. Collective;
-/// returns false if any rank was stopped.
-bool conclude(const Context& context, const RankResults& results, Summary& summary) {
-  std::vector<ErrorSample> samples;
-  if (context.study.job().solver.check) {
-    auto checked = check_scenes(context, summary, results);
-    if (!checked) return false;
-    samples = std::move(*checked);
-  }
-  summary.error = measured_error(samples, summary.optimum ? summary.optimum->scene : 0);
-  summary.refined = refined(context, summary, results);
-  summary.optima = results.optima();
-  const auto best = best_designs(context.study, summary, context.options.stop, context.comm);
-  if (!best) return false;
-  summary.warnings = warnings(context.study, summary, *best, samples);
-  return true;
+  const auto& best = results.totals().best;
+  auto to_do = results.scenes_to_do();
+  std::erase_if(to_do, [&](std::uint64_t scene) { return !best[scene].exists(); });
+  const auto work = [&](const TileRange& range, const std::function<bool()>& poll) {
+    std::uint64_t n = range.first;
+    do {
+      const std::uint64_t scene = to_do[n++];
+      const BestDesign optimum =
+          scene_optimum(job_at(job, scene), best[scene], context.options.refine);
+      results.add(RecordKind::scene, scene, to_bytes(optimum));
+    } while (n < range.end && !poll());
+    return n - range.first;
+  };
+  constexpr std::uint64_t most = 100'000;
+  const bool all = share_out(to_do.size(), 1, most, work, context.options.stop, context.comm);
+  results.combine_optima(context.comm);
+  return all;
 }
 
 /// Writes the archive and gives it its final name; collective.
-void finish(const Context& context, const OutputState& output, const fs::path& path,
-            const Tiling& tiling, RankResults& results, Summary& summary) {
-  const Job& job = context.study.job();
-  const fs::path folder = partial_path(path), file = unfinished_archive(folder);
+void write_output(const Context& context, const OutputFile& output, const fs::path& folder,
+                  RankResults& results, Summary& summary) {
+  const auto& [study, tiling, options, started, start_time, comm] = context;
+  const Output& settings = study.job().output;
+  const fs::path file = unfinished_archive(folder);
   const double start = MPI_Wtime();
-  const auto maps = map_infos(job.output);
+  const auto maps = map_infos(settings);
   std::vector<std::string> history;
-  mpi::on_root(context.comm, [&] { history = read_partial_sweep(folder).history; });
-  Attributes attributes =
-      root_attributes(job, fmt::format("{}", fmt::join(history, "\n")), summary);
-  const Skeleton skeleton{context.study,          tiling,     maps,
-                          job.output.compression, attributes, summary.optima};
-  write_archive(file, skeleton, results.tiles(), context.comm);
-  mpi::on_root(context.comm, [&] {
-    summary.sweep_seconds += MPI_Wtime() - start;
+  mpi::on_root(comm, [&] { history = read_partial_sweep(folder).history; });
+  const Attributes attributes =
+      root_attributes(study.job(), fmt::format("{}", fmt::join(history, "\n")), summary);
+  write_archive(file, {study, tiling, maps, settings.compression, attributes, summary.optima},
+                results.tiles(), comm);
+  summary.sweep_seconds += MPI_Wtime() - start;
+  mpi::on_root(comm, [&] {
     hdf5::File archive(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open " + file.string());
     hdf5::write_attribute(archive, "sweep_seconds", summary.sweep_seconds);
     archive.close("write " + file.string());
-    rename_to_final(file, path, output.replaces);
-    remove_partial(folder);
+    finish_output(output);
   });
 }
 
 }  // namespace
 
-std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Comm comm) {
+std::optional<SweepResult> sweep(const Study& study, const SweepOptions& options, MPI_Comm comm) {
   const double start_time = MPI_Wtime();
-  const Study study(job);
-  check_kernels(comm);
-  const auto ranks = static_cast<std::uint64_t>(mpi::size(comm));
-  const Context context{study, options, history_line(options.command, ranks), comm};
-
-  OutputState output;  // on rank 0 only; holds the archive's lock
   Start start;
-  const fs::path path = mpi::text_of_root(comm, [&] {
-    output = open_or_resume(job, options.overwrite);
-    start = find_start(context, output);
-    return output.path.string();
+  check_kernels(comm);
+  OutputFile output;  // on rank 0 only; holds the lock
+  const fs::path folder = mpi::text_of_root(comm, [&] {
+    output = open_or_resume(study.job(), options.overwrite);
+    start.complete = output.complete;
+    if (!start.complete) find_tiles(study, options, output, start);
+    return partial_path(output.path).string();
   });
   start = mpi::from_root(start, comm);
   if (start.complete) return std::nullopt;
 
   const Tiling tiling(study, start.tile_edge);
-  const fs::path folder = partial_path(path);
-  mpi::on_root(comm, [&] { open_folder(context, output, start, tiling); });
+  const Context context{study, tiling, options, start, start_time, comm};
+  mpi::on_root(comm, [&] { open_folder(context, output); });
   try {
     require_visible(folder, comm);
   } catch (const mpi::RootError&) {
-    if (mpi::rank(comm) == 0 && !start.resumes) remove_partial(folder);
+    if (mpi::rank(comm) == 0 && start.run == 0) clear_partial(folder);
     throw;
   }
 
-  RankResults results(folder, start.runs, start_time, study, tiling, comm);
-  const WorkContext work{.study = study,
-                         .tiling = tiling,
-                         .design_seconds = start.design_seconds,
-                         .start_time = start_time,
-                         .progress = progress_style(context),
-                         .refine = options.refine,
-                         .stop = options.stop,
-                         .comm = comm};
-  bool complete = compute_tiles(work, results);
-  results.combine_tallies(comm);
-  if (complete) {
-    results.combine_best(comm);
-    complete = find_scene_optima(work, results);
-    results.combine_optima(comm);
+  RankResults results(folder, start.run, start_time, study, tiling, comm);
+  bool complete = compute_tiles(context, results) && find_optima(context, results);
+  SweepResult result{.summary = results.totals().summary(), .samples = {}};
+  if (complete && study.job().solver.check) {
+    auto samples = check_scenes(study, results.totals(), options.stop, comm);
+    complete = samples.has_value();
+    if (samples) result.samples = std::move(*samples);
   }
-  Summary summary = to_summary(results.tally(), study);
-  summary.complete = complete && conclude(context, results, summary);
-  if (summary.complete)
-    finish(context, output, path, tiling, results, summary);
-  else
+  result.summary.complete = complete;
+  if (complete) {
+    result.summary.error = measured_error(result.samples, result.summary.best().value_or(0));
+    write_output(context, output, folder, results, result.summary);
+  } else {
     mpi::on_all(comm, [&] { results.sync(); });
-  return summary;
+  }
+  return result;
 }
 
 }  // namespace trebsweep

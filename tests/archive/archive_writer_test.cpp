@@ -6,7 +6,7 @@
 
 #include "support/catch.hpp"
 #include "support/small_archive.hpp"
-#include "trebsweep/archive/archive_header.hpp"
+#include "trebsweep/archive/archive_reader.hpp"
 
 using namespace trebsweep;
 
@@ -21,9 +21,6 @@ hsize_t allocated_chunks(const std::filesystem::path& path, const std::string& m
   hdf5::check(H5Dget_num_chunks(dataset, space, &chunks), "count chunks");
   return chunks;
 }
-
-/// Whether two optima are the same bit for bit.
-bool is_same(const SceneOptimum& a, const SceneOptimum& b) { return checksum(a) == checksum(b); }
 
 /// Checks every value of the maps of an archive.
 void check_maps(const std::filesystem::path& path, const Study& study) {
@@ -49,37 +46,68 @@ TEST_CASE("On any number of ranks every value is stored in its cell, in all form
     for (const int compression : {0, 4})
       for (const MapType type : {MapType::float64, MapType::float32}) {
         const TemporaryFile file("archive");
-        write_all(file.path(), small, two_maps(type), compression);
+        write_together(file.path(), small, two_maps(type), compression);
         if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
-        const auto header = read_archive_header(file.path());
-        REQUIRE(header);
-        CHECK(header->job == "some text");
-        CHECK(header->is_sweep);
-        CHECK(header->complete());
-        CHECK(header->tiles == small.tiling.size());
+        const ArchiveContents contents = read_contents(file.path());
+        CHECK(contents.summary.complete);
+        CHECK(contents.summary.designs() == small.study.designs());
         CHECK(read_map(file.path(), "r3") == small.study.axes()[1]);
         check_maps(file.path(), small.study);
       }
 }
 
+TEST_CASE("The archives that one process and several ranks write have the same checksums") {
+  for (const SmallStudy& small : small_studies()) {
+    const auto maps = two_maps(MapType::float64);
+    const TemporaryFile together("archive_together"), alone("archive_alone");
+    write_together(together.path(), small, maps, 0);
+    if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+    write_all(alone.path(), small, maps, 0);
+    for (const char* table : {"tile_block", "tile_designs", "tile_checksum"})
+      CHECK(hdf5::read_numbers<std::uint64_t>(open_archive(together.path()), table) ==
+            hdf5::read_numbers<std::uint64_t>(open_archive(alone.path()), table));
+  }
+}
+
 TEST_CASE("The optima of a study's scenes are stored over the outer axes, with or without maps") {
   const SmallStudy small(job_of_six_scenes());
-  const std::vector<hsize_t> outer{3, 2};
   for (const auto& maps : {two_maps(MapType::float64), std::vector<MapInfo>{}}) {
     const TemporaryFile file("archive_optima");
-    write_all(file.path(), small, maps, 0);
+    write_together(file.path(), small, maps, 0);
     if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
     CHECK(read_map(file.path(), "projectile_mass") == std::vector<double>{50, 75, 100});
     CHECK(read_map(file.path(), "fulcrum_height") == std::vector{1.5, 1.7});
-    CHECK(read_map(file.path(), "best_r3")[3] == optimum_of(3).r3);
-    const hdf5::File opened(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
-    const auto optima = read_optima(opened, outer);
-    REQUIRE(optima.size() == 6);
-    for (std::uint64_t scene = 0; scene < 6; ++scene)
-      CHECK(is_same(optima[scene], optimum_of(scene)));
-    CHECK_FALSE(optima[2].exists());
-    CHECK_THROWS_WITH(read_optima(opened, {2, 3}), contains("extent of best_value"));
+    const hdf5::File opened = open_archive(file.path());
+    for (std::size_t d = 0; d < best_names.size(); ++d) {
+      const std::string name(best_names[d]);
+      CHECK(hdf5::extents(hdf5::open_dataset(opened, name)) == std::vector<hsize_t>{3, 2});
+      const auto values = read_map(file.path(), name);
+      for (const std::uint64_t scene : {0u, 1u, 3u, 4u, 5u})
+        CHECK(values[scene] == to_numbers(optimum_of(scene))[d]);
+      CHECK(std::isnan(values[2]));
+    }
     CHECK(H5Lexists(opened, "number", H5P_DEFAULT) == (maps.empty() ? 0 : 1));
+  }
+}
+
+TEST_CASE("An archive says which cells hold designs, in every scene") {
+  for (const SmallStudy& small : small_studies()) {
+    const TemporaryFile file("archive_lattices");
+    write_together(file.path(), small, {}, 0);
+    if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+    const auto lattice_of = read_map(file.path(), "scene_lattice"),
+               has_r1 = read_map(file.path(), "lattice_r1"),
+               rows = read_map(file.path(), "lattice_rows");
+    REQUIRE(lattice_of.size() == small.study.scenes());
+    const auto [n1, n3, n2] = small.study.extent();
+    for (std::uint64_t scene = 0; scene < small.study.scenes(); ++scene) {
+      const auto l = static_cast<std::size_t>(lattice_of[scene]);
+      for (std::size_t a = 0; a < n1; ++a)
+        for (std::size_t b = 0; b < n3; ++b)
+          for (std::size_t c = 0; c < n2; ++c)
+            REQUIRE(small.study.lattice(scene).holds({a, b, c}) ==
+                    (has_r1[l * n1 + a] == 1 && static_cast<double>(c) < rows[l * n3 + b]));
+    }
   }
 }
 
@@ -87,9 +115,8 @@ TEST_CASE("Axes and optima of a study have units and descriptions, an archive of
   Job job = job_of_six_scenes();
   job.optimum.objective = Field::range;
   const TemporaryFile study("archive_of_study"), single("archive_of_scene");
-  for (const auto& [file, of] : {std::pair{&study, job}, {&single, job_of_one_scene()}}) {
-    write_all(file->path(), SmallStudy(of), {}, 0);
-  }
+  for (const auto& [file, of] : {std::pair{&study, job}, {&single, job_of_one_scene()}})
+    write_together(file->path(), SmallStudy(of), {}, 0);
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
   const hdf5::File file(H5Fopen(study.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
   const auto attribute = [&](const char* dataset, const char* name) {
@@ -107,25 +134,24 @@ TEST_CASE("Axes and optima of a study have units and descriptions, an archive of
   CHECK(H5Lexists(other, "best_value", H5P_DEFAULT) == 0);
 }
 
-TEST_CASE("Tiles that were not written hold fill values and are not marked done") {
+TEST_CASE("Tiles that were not written hold fill values and no designs") {
   for (const SmallStudy& small : small_studies())
     for (const int compression : {0, 1})
       for (const MapType type : {MapType::float64, MapType::float32}) {
         const TemporaryFile file("archive_some_tiles");
         if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
         const auto maps = two_maps(type);
-        const Tile tile = small.tiling.tile(1);
-        auto values = values_of(small, tile);
-        const auto bytes = to_bytes(Tally{}, values, maps);
-        const std::array tiles{to_tile_results({RecordKind::tile, 1, bytes})};
-        const auto attributes = some_attributes();
-        const auto optima = optima_of(small);
-        write_archive(file.path(),
-                      {small.study, small.tiling, maps, compression, attributes, optima}, tiles);
-        std::vector<double> done(small.tiling.size(), 0);
-        done[1] = 1;
-        CHECK(read_map(file.path(), "tile_done") == done);
+        write_tiles(file.path(), small, maps, compression, {1, 2});
+        const hdf5::File opened = open_archive(file.path());
+        for (const char* table : {"tile_designs", "tile_checksum"}) {
+          const auto values = hdf5::read_numbers<std::uint64_t>(opened, table);
+          const std::size_t columns = values.size() / small.tiling.size();
+          for (std::size_t i = 0; i < values.size(); ++i)
+            if (i / columns != 1) REQUIRE(values[i] == 0);
+          CHECK(values[2 * columns - 1] + values[columns + 1] > 0);
+        }
         auto numbers = read_map(file.path(), "number"), flags = read_map(file.path(), "flag");
+        auto values = values_of(small, small.tiling.tile(1));
         for (auto* of : {&numbers, &values[0]})
           std::erase_if(*of, [](double x) { return std::isnan(x); });
         CHECK(numbers == values[0]);
@@ -137,7 +163,7 @@ TEST_CASE("Chunks entirely outside the lattice are never allocated") {
   for (const SmallStudy& small : small_studies())
     for (const int compression : {0, 1}) {
       const TemporaryFile file("archive_chunks");
-      write_all(file.path(), small, two_maps(MapType::float64), compression);
+      write_together(file.path(), small, two_maps(MapType::float64), compression);
       if (mpi::rank(MPI_COMM_WORLD) == 0) {
         const hsize_t chunks = allocated_chunks(file.path(), "number");
         CHECK(chunks == small.tiling.size());
@@ -153,14 +179,14 @@ TEST_CASE("The results of a tile are the same after they were stored as bytes") 
   const auto maps = two_maps(MapType::float64);
   const Tile tile = small.tiling.tile(2);
   Tally tally;
-  tally.add({3, 2, 1, Status::released}, 7, 5);
+  tally.add({3, 2, 1, Status::released}, 7, {0.5, 0.6, 0.7}, 5);
   const auto values = values_of(small, tile);
   const auto bytes = to_bytes(tally, values, maps);
-  const Record record{RecordKind::tile, 2, bytes};
-  CHECK(fits(record, tile, maps));
-  CHECK_FALSE(fits(record, tile, {}));
-  const TileResults results = to_tile_results(record);
-  CHECK(to_row(results.tally) == to_row(tally));
+  CHECK(bytes.size() == result_bytes(tile.block, maps));
+  const TileResults results = to_tile_results({RecordKind::tile, 2, bytes});
+  CHECK(results.number == 2);
+  CHECK(std::ranges::equal(std::as_bytes(std::span(&results.tally, 1)),
+                           std::as_bytes(std::span(&tally, 1))));
   const auto numbers = std::as_bytes(std::span(values[0]));
   CHECK(std::ranges::equal(results.values.first(numbers.size()), numbers));
   CHECK(results.values.back() == std::byte{static_cast<unsigned char>(values[1].back())});
@@ -173,7 +199,7 @@ TEST_CASE("The sizes of journals and archive are known before they are written")
   for (std::uint64_t t = 0; t < small.tiling.size(); ++t)
     records += 40 + sizeof(Tally) + small.tiling.tile(t).block.cells() * 9;
   const TemporaryFile file("archive_size");
-  write_all(file.path(), small, maps, 0);
+  write_together(file.path(), small, maps, 0);
   const auto size = static_cast<double>(std::filesystem::file_size(file.path()));
   const auto [archive, journals] = needed_space(small.study, small.tiling, maps, 0);
   const double metadata = 40000;  // bytes, whatever the size of the lattice

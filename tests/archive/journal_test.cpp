@@ -1,27 +1,16 @@
 #include "trebsweep/archive/journal.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <numeric>
 #include <string>
 
 #include "support/catch.hpp"
+#include "support/temporary_directory.hpp"
 
 using namespace trebsweep;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A path in the directory of the tests; the destructor removes its file.
-struct TemporaryPath {
-  fs::path path;
-
-  explicit TemporaryPath(const std::string& name) : path(fs::path(TEST_DIR) / name) {
-    fs::remove(path);
-  }
-  ~TemporaryPath() { fs::remove(path); }
-};
 
 /// The results of record n: n bytes.
 std::vector<std::byte> results_of(std::uint64_t n) {
@@ -36,14 +25,13 @@ constexpr std::uint64_t records = 20;
 std::vector<std::byte> some_journal(const fs::path& path) {
   Journal journal(path);
   for (std::uint64_t n = 0; n < records; ++n) {
-    journal.append({n % 3 == 2 ? RecordKind::scene : RecordKind::tile, n, results_of(n)});
+    journal.append(n % 3 == 2 ? RecordKind::scene : RecordKind::tile, n, results_of(n));
     if (n == 5) journal.write();
   }
   CHECK(journal.unwritten_bytes() > 0);
   journal.sync();
   CHECK(journal.unwritten_bytes() == 0);
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text = read_file(path);
   const auto bytes = std::as_bytes(std::span(text));
   return {bytes.begin(), bytes.end()};
 }
@@ -69,23 +57,24 @@ std::vector<std::uint64_t> all_but(std::uint64_t missing) {
 }  // namespace
 
 TEST_CASE("The records of a journal are those that were appended, written or not") {
-  const TemporaryPath file("a.journal");
-  Journal journal(file.path);
+  const TemporaryDirectory directory;
+  const fs::path file = directory / "a.journal";
+  Journal journal(file);
   CHECK(journal.records().empty());
-  journal.append({RecordKind::tile, 0, results_of(0)});
-  CHECK_FALSE(fs::exists(file.path));
-  journal.append({RecordKind::tile, 4, results_of(4)});
+  journal.append(RecordKind::tile, 0, results_of(0));
+  CHECK_FALSE(fs::exists(file));
+  journal.append(RecordKind::tile, 4, results_of(4));
   CHECK(numbers_of(journal.records()) == std::vector<std::uint64_t>{0, 4});
   journal.write();
-  journal.append({RecordKind::scene, 2, results_of(2)});
+  journal.append(RecordKind::scene, 2, results_of(2));
   CHECK(numbers_of(journal.records()) == std::vector<std::uint64_t>{0, 4, 2});
-  CHECK(numbers_of(intact_records(MappedFile(file.path).bytes())) ==
-        std::vector<std::uint64_t>{0, 4});
+  CHECK(numbers_of(intact_records(MappedFile(file).bytes())) == std::vector<std::uint64_t>{0, 4});
 }
 
 TEST_CASE("A journal that ends within its last record has all others") {
-  const TemporaryPath file("cut.journal");
-  const auto journal = some_journal(file.path);
+  const TemporaryDirectory directory;
+  const fs::path file = directory / "cut.journal";
+  const auto journal = some_journal(file);
   const std::size_t last = 40 + records - 1;
   for (std::size_t cut = 1; cut <= last; ++cut)
     CHECK(numbers_of(intact_records(std::span(journal).first(journal.size() - cut))) ==
@@ -94,8 +83,9 @@ TEST_CASE("A journal that ends within its last record has all others") {
 }
 
 TEST_CASE("A record in which any bit is flipped is missing, and no other") {
-  const TemporaryPath file("flipped.journal");
-  auto journal = some_journal(file.path);
+  const TemporaryDirectory directory;
+  const fs::path file = directory / "flipped.journal";
+  auto journal = some_journal(file);
   std::size_t end = 0;
   for (std::uint64_t n = 0; n < records; ++n) {
     const std::size_t begin = end;
@@ -112,20 +102,22 @@ TEST_CASE("A record in which any bit is flipped is missing, and no other") {
 }
 
 TEST_CASE("A journal never replaces a file") {
-  const TemporaryPath file("existing.journal");
-  std::ofstream(file.path) << "precious";
-  Journal journal(file.path);
-  journal.append({RecordKind::tile, 1, results_of(1)});
+  const TemporaryDirectory directory;
+  const fs::path file = directory / "existing.journal";
+  write_file(file, "precious");
+  Journal journal(file);
+  journal.append(RecordKind::tile, 1, results_of(1));
   CHECK_THROWS_WITH(journal.write(), contains("cannot create") && contains("existing.journal"));
-  CHECK(fs::file_size(file.path) == 8);
+  CHECK(read_file(file) == "precious");
   Journal nowhere("/nowhere/a.journal");
-  nowhere.append({RecordKind::tile, 1, results_of(1)});
+  nowhere.append(RecordKind::tile, 1, results_of(1));
   CHECK_THROWS_WITH(nowhere.write(), contains("No such file"));
 }
 
 TEST_CASE("A file that is missing cannot be read, and an empty one has no records") {
-  const TemporaryPath file("missing.journal");
-  CHECK_THROWS_WITH(MappedFile(file.path), contains("cannot read") && contains("missing.journal"));
-  std::ofstream{file.path};
-  CHECK(intact_records(MappedFile(file.path).bytes()).empty());
+  const TemporaryDirectory directory;
+  const fs::path file = directory / "missing.journal";
+  CHECK_THROWS_WITH(MappedFile(file), contains("cannot read") && contains("missing.journal"));
+  write_file(file, "");
+  CHECK(intact_records(MappedFile(file).bytes()).empty());
 }

@@ -1,22 +1,16 @@
 #include "trebsweep/archive/partial.hpp"
 
-#include <fstream>
-
 #include "support/catch.hpp"
-#include "trebsweep/archive/regular_file.hpp"
+#include "support/temporary_directory.hpp"
+#include "trebsweep/archive/file_lock.hpp"
+#include "trebsweep/base/error.hpp"
+#include "trebsweep/base/version.hpp"
+#include "trebsweep/swing/kernel.hpp"
 
 using namespace trebsweep;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A folder in the directory of the tests, removed by the destructor.
-struct TemporaryFolder {
-  fs::path path;
-
-  explicit TemporaryFolder(const std::string& name) : path(fs::path(TEST_DIR) / name) {}
-  ~TemporaryFolder() { fs::remove_all(path); }
-};
 
 const PartialSweep some_sweep{.job = "[scene]\ngravity = 9.81\n",
                               .source = "trebsweep 1",
@@ -29,10 +23,10 @@ const PartialSweep some_sweep{.job = "[scene]\ngravity = 9.81\n",
 }  // namespace
 
 TEST_CASE("A description is read as it was written") {
-  const TemporaryFolder folder("described.partial");
-  write_partial_sweep(folder.path, some_sweep);
-  CHECK(is_partial_folder(folder.path));
-  const PartialSweep read = read_partial_sweep(folder.path);
+  const TemporaryDirectory folder;
+  write_partial_sweep(folder.path(), some_sweep);
+  CHECK(is_partial_folder(folder.path()));
+  const PartialSweep read = read_partial_sweep(folder.path());
   CHECK(read.job == some_sweep.job);
   CHECK(read.source == some_sweep.source);
   CHECK(read.kernel == some_sweep.kernel);
@@ -43,44 +37,71 @@ TEST_CASE("A description is read as it was written") {
 }
 
 TEST_CASE("A damaged description is an error that names its file") {
-  const TemporaryFolder folder("damaged.partial");
-  write_partial_sweep(folder.path, some_sweep);
-  const fs::path file = folder.path / "sweep.json";
-  std::string text(fs::file_size(file), ' ');
-  std::ifstream(file).read(text.data(), static_cast<std::streamsize>(text.size()));
+  const TemporaryDirectory folder;
+  write_partial_sweep(folder.path(), some_sweep);
+  const fs::path file = folder / "sweep.json";
+  const std::string text = read_file(file);
   for (const std::string& damaged :
        {std::string(), text.substr(0, text.size() / 2), std::string("[1, 2]"), std::string("{}")}) {
-    std::ofstream(file) << damaged;
-    CHECK_THROWS_WITH(read_partial_sweep(folder.path),
+    write_file(file, damaged);
+    CHECK_THROWS_WITH(read_partial_sweep(folder.path()),
                       contains(file.string()) && contains("damaged"));
   }
   fs::remove(file);
-  CHECK_THROWS_WITH(read_partial_sweep(folder.path), contains("cannot read"));
+  CHECK_THROWS_WITH(read_partial_sweep(folder.path()), contains("cannot read"));
 }
 
 TEST_CASE("A folder with other files is not that of a sweep") {
-  const TemporaryFolder folder("other.partial");
-  write_partial_sweep(folder.path, some_sweep);
-  std::ofstream(journal_path(folder.path, 0, 3)) << "a record";
-  std::ofstream(unfinished_archive(folder.path)) << "an archive";
-  CHECK(is_partial_folder(folder.path));
-  CHECK(journals_in(folder.path) == std::vector{folder.path / "0000-00003.journal"});
-  std::ofstream(folder.path / "notes.txt") << "precious";
-  CHECK_FALSE(is_partial_folder(folder.path));
+  const TemporaryDirectory folder;
+  CHECK(is_partial_folder(folder.path()));
+  write_partial_sweep(folder.path(), some_sweep);
+  write_file(journal_path(folder.path(), 0, 3), "a record");
+  write_file(unfinished_archive(folder.path()), "an archive");
+  write_file(folder / lock_name, "a process");
+  CHECK(is_partial_folder(folder.path()));
+  CHECK(journals_in(folder.path()) == std::vector{folder / "0000-00003.journal"});
+  write_file(folder / "notes.txt", "precious");
+  CHECK_FALSE(is_partial_folder(folder.path()));
 }
 
-TEST_CASE("Finishing never replaces a file other than the one that existed at the start") {
-  const TemporaryFolder folder("finished.partial");
-  fs::create_directory(folder.path);
-  const fs::path from = folder.path / "archive.h5", to = folder.path / "a.h5";
-  std::ofstream(from) << "an archive";
-  std::ofstream(to) << "precious";
-  CHECK_THROWS_WITH(rename_to_final(from, to, ""), contains("cannot rename"));
-  CHECK(fs::file_size(to) == 8);
-  const std::string identity = file_identity(to);
-  std::ofstream(to, std::ios::app) << "!";
-  CHECK_THROWS_WITH(rename_to_final(from, to, identity), contains("cannot rename"));
-  rename_to_final(from, to, file_identity(to));
-  CHECK(fs::file_size(to) == 10);
-  CHECK_FALSE(fs::exists(from));
+TEST_CASE("Only the lock remains in a folder that is cleared") {
+  const TemporaryDirectory folder;
+  write_partial_sweep(folder.path(), some_sweep);
+  write_file(journal_path(folder.path(), 0, 3), "a record");
+  write_file(folder / lock_name, "a process");
+  clear_partial(folder.path());
+  CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
+  CHECK(read_file(folder / lock_name) == "a process");
+  clear_partial(folder / "nothing");
+}
+
+TEST_CASE("Jobs are the same if their results are, whatever their file and assessment") {
+  const Job job;
+  Job other;
+  other.output.file = "another.h5";
+  CHECK(is_same_job(job, to_text(other)));
+  for (const char* text : {"[solver]\ncheck = no\n", "[scene]\ngravity = 9\n",
+                           "[output]\nfields = speed\n", "[optimum]\nrefine = true\n"})
+    CHECK_FALSE(is_same_job(job, text));
+  CHECK_FALSE(is_same_job(job, "[scene]\nno-such-key = 1\n"));
+}
+
+TEST_CASE("An unfinished sweep is resumed only by its job and the same arithmetic") {
+  const Job job;
+  const PartialSweep same{.job = to_text(job),
+                          .source = "trebsweep 1",
+                          .kernel = std::string(instruction_set()),
+                          .numerics = numerics_version,
+                          .tile_edge = {4, 5, 6},
+                          .replaces = "",
+                          .history = {}};
+  CHECK_NOTHROW(require_resumable(job, "a.partial", same));
+  PartialSweep other = same;
+  other.job = "[solver]\ncheck = no\n";
+  CHECK_THROWS_AS(require_resumable(job, "a.partial", other), InputError);
+  CHECK_THROWS_WITH(require_resumable(job, "a.partial", other),
+                    contains("solver.check = no there, yes here"));
+  other = same;
+  ++other.numerics;
+  CHECK_THROWS_WITH(require_resumable(job, "a.partial", other), contains("with numerics"));
 }

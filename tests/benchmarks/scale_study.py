@@ -36,7 +36,7 @@ def sweep(directory, ranks, *options):
         sys.exit("the sweep failed")
     seconds = time.monotonic() - start
     with h5py.File(archive) as file:
-        attributes = {**file.attrs, "bytes": os.path.getsize(archive), "tiles": file["tile_done"].size}
+        attributes = {**file.attrs, "bytes": os.path.getsize(archive), "tiles": len(file["tile_block"])}
     os.remove(archive)
     return attributes, seconds
 

@@ -13,7 +13,7 @@ cmake --build --preset fuzz
 mkdir -p build/fuzz/found build/fuzz/seeds/{job,archive}
 cp jobs/*.cfg build/fuzz/seeds/job
 for scene in jobs/scenes/*.cfg; do cp "$scene" "build/fuzz/seeds/job/scene_${scene##*/}"; done
-# Small complete archives of every kind: to a reader, partial archives differ from them only in tile_done.
+# Small complete archives of every kind: snapshots differ from them only in tile_designs.
 for option in "output.compression 0" "output.compression 4" "output.storage float32" "output.fields speed,status,slack" \
   "scene.projectile-mass 50:100:50" "output.maps none"; do
   OMPI_MCA_ess_singleton_isolated=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 \

@@ -15,9 +15,9 @@ import sys
 import unittest
 import unittest.mock
 
-import h5py
 import numpy as np
 
+from archives import h5py, tiles
 from support import JOBS, PROGRAM, REPOSITORY, DirectoryTest
 
 ANALYSIS = os.path.join(REPOSITORY, "analysis")
@@ -859,6 +859,14 @@ class Machine(ScriptTest):
         self.run_script("machine.py", "-o", "sketch.xyz", code=2, says="output = sketch.xyz: must end")
 
 
+def best_of(speed, file):
+    """{column: value} of the fastest design of a map; NaN without one."""
+    if np.isnan(speed).all():
+        return {f"best_{name}": np.nan for name in OPTIMUM}
+    index = np.unravel_index(np.nanargmax(speed), speed.shape)
+    return {"best_value": speed[index], **{f"best_{name}": file[name][i] for name, i in zip(AXES, index)}}
+
+
 class PartialArchives(ScriptTest):
     """Snapshots of unfinished sweeps, with any values in the cells of the tiles that are not done, and unfinished
     sweeps themselves, the folders FILE.partial."""
@@ -871,16 +879,6 @@ class PartialArchives(ScriptTest):
         super().setUpClass()
         for name, options in cls.OPTIONS.items():
             cls.sweep("paper", *options, name=name.removesuffix(".h5"), increment="0.02")
-
-    @classmethod
-    def tiles(cls, file):
-        """The slices of the tiles with designs, in the order of tile_done."""
-        status = file["status"][...]
-        edge = [int(file["tile_done"].attrs[f"edge_{name}"]) for name in AXES]
-        for corner in np.ndindex(*(-(-n // e) for n, e in zip(status.shape, edge))):
-            tile = tuple(slice(i * e, (i + 1) * e) for i, e in zip(corner, edge))
-            if status[tile].any():
-                yield tile
 
     def stop_after(self, source, folder, done):
         """Makes the folder of an unfinished sweep with the first `done` tiles."""
@@ -898,16 +896,18 @@ class PartialArchives(ScriptTest):
             snapshot = "snapshot.h5"
         shutil.copy(self.path(source), self.path(snapshot))
         with h5py.File(self.path(snapshot), "r+") as file:
-            tiles = list(self.tiles(file))
-            self.assertEqual(len(tiles), len(file["tile_done"]))
-            for tile in tiles[done:]:
+            all_tiles = list(tiles(file))
+            for tile in all_tiles[done:]:
                 file["speed"][tile] = junk
                 file["speed_error"][tile] = junk
                 file["status"][tile] = 0
-            file["tile_done"][done:] = 0
-            for axis in (*AXES, "speed", "release_time"):
-                file.attrs[f"best_{axis}"] = np.nan
-        return tiles[done:], f"{name}: unfinished: {done} of {len(tiles)} tiles done; " \
+            file["tile_designs"][done:] = 0
+            speed = np.full(file["speed"].shape, np.nan)
+            for tile in all_tiles[:done]:
+                speed[tile] = file["speed"][tile]
+            for column, value in best_of(speed, file).items():
+                file.attrs[column] = value
+        return all_tiles[done:], f"{name}: unfinished: {done} of {len(all_tiles)} tiles done; " \
                              "the rest is left blank\n"
 
     def test_tiles_that_are_not_done_read_as_blank(self):
@@ -924,22 +924,24 @@ class PartialArchives(ScriptTest):
                         archive = Archive(self.path(name))
                         stderr.seek(0)
                         self.assertTrue(stderr.read().endswith(message))
-                    np.testing.assert_array_equal(archive.read("speed"), speed)
-                    np.testing.assert_array_equal(archive.read("status"), status)
-                    where = (3, slice(None), slice(None))
+                    # Without the last values of r3, at which there is no design.
+                    where = (slice(None), slice(archive.shape[1]), slice(None))
+                    np.testing.assert_array_equal(archive.read("speed"), speed[where])
+                    np.testing.assert_array_equal(archive.read("status"), status[where])
+                    where = (3, *where[1:])
                     np.testing.assert_array_equal(archive.read("speed", where), speed[where])
                     archive.file.close()
 
     def test_the_optimum_is_the_fastest_design_in_the_tiles_done(self):
-        for junk in (99, 0, np.nan):
-            undone, message = self.make_partial("complete.h5", "q.h5", 5, junk)
+        for junk in (99,):
+            undone, message = self.make_partial("complete.h5", "r.h5.partial", 3, junk)
             with h5py.File(self.path("complete.h5")) as file:
                 speed = file["speed"][...]
                 for tile in undone:
                     speed[tile] = np.nan
                 best = {name: file[name][i] for name, i in
                         zip(AXES, np.unravel_index(np.nanargmax(speed), speed.shape))}
-            done = self.run_script("optimum.py", "q.h5", says=message)
+            done = self.run_script("optimum.py", "r.h5.partial", says=message)
             self.assertEqual(done.stdout.split(),
                              [word for name in AXES for word in (f"--{name}", repr(float(best[name])))])
         _, message = self.make_partial("complete.h5", "q.h5", 0, 0)
@@ -1031,28 +1033,25 @@ class StudyTest(ScriptTest):
         return figure
 
     def tiles(self):
-        """(scene, slices) of each tile of study.h5 with designs, in the order of tile_done."""
+        """(scene, slices) of each tile of study.h5."""
         with h5py.File(self.path("study.h5")) as file:
-            for i, scene in enumerate(np.ndindex(2, 3)):
-                status = file["status"][scene]
-                edge = [int(file["tile_done"].attrs[f"edge_{name}"]) for name in AXES]
-                for corner in np.ndindex(*(-(-n // e) for n, e in zip(status.shape, edge))):
-                    tile = tuple(slice(c * e, (c + 1) * e) for c, e in zip(corner, edge))
-                    if status[tile].any():
-                        yield i, (*scene, *tile)
+            yield from zip(file["tile_block"][:, 0].astype(int).tolist(), tiles(file))
 
     def make_partial(self, done, junk=99):
         """Copies study.h5 as partial.h5 with only the first `done` tiles done, and `junk` in the others."""
         shutil.copy(self.path("study.h5"), self.path("partial.h5"))
-        tiles = list(self.tiles())
+        all_tiles = list(self.tiles())
         with h5py.File(self.path("partial.h5"), "r+") as file:
-            self.assertEqual(len(tiles), len(file["tile_done"]))
-            for i, tile in tiles[done:]:
+            for i, tile in all_tiles[done:]:
                 file["speed"][tile], file["status"][tile] = junk, 1
-                for name in OPTIMUM:
-                    file[f"best_{name}"][np.unravel_index(i, (2, 3))] = junk
-            file["tile_done"][done:] = 0
-        return tiles
+            file["tile_designs"][done:] = 0
+            for scene in {i for i, _ in all_tiles[done:]}:
+                speed = np.full(file["speed"].shape[2:], np.nan)
+                for _, tile in (one for one in all_tiles[:done] if one[0] == scene):
+                    speed[tile[2:]] = file["speed"][tile]
+                for column, value in best_of(speed, file).items():
+                    file[column][np.unravel_index(scene, (2, 3))] = value
+        return all_tiles
 
     def open_quietly(self, name):
         with contextlib.redirect_stderr(io.StringIO()):
@@ -1632,7 +1631,7 @@ class Failures(ScriptTest):
         with h5py.File(self.path("other.h5"), "w") as file:
             file["numbers"] = np.arange(5)
         with h5py.File(self.path("axes.h5"), "w") as file:
-            for name in (*AXES, "tile_done"):
+            for name in (*AXES, "tile_block"):
                 file[name] = "text"
         os.makedirs(self.path("folder.h5"), exist_ok=True)
         self.write("empty.h5", b"")

@@ -8,19 +8,13 @@ import numpy as np
 os.environ["HDF5_USE_FILE_LOCKING"] = "FALSE"
 import h5py  # pylint: disable=wrong-import-position
 
-SECONDS = ("lane_steps", "integration_seconds", "sweep_seconds")  # columns of tile_tally that depend on the run
 # Attributes that depend on the run or its command line.
 ATTRIBUTES_OF_RUN = ("history", "title", "job", "lane_utilisation", "integration_seconds", "sweep_seconds")
 
 
 def contents(archive):
     """{name: bytes or value} of everything in an archive that does not depend on the run: an attribute is named @name."""
-    held = {name: data[...].tobytes() for name, data in archive.items()
-            if name not in ("tile_tally", "tile_checksum")}
-    columns = archive["tile_tally"].attrs["columns"].split()
-    same = [i for i, column in enumerate(columns) if column not in SECONDS]
-    held["tile_tally"] = archive["tile_tally"][...][:, same].tobytes()
-    held["tile_checksum"] = archive["tile_checksum"][...][:, :-1].tobytes()  # the last column is that of tile_tally
+    held = {name: data[...].tobytes() for name, data in archive.items()}
     for name, value in archive.attrs.items():
         if name not in ATTRIBUTES_OF_RUN:
             held[f"@{name}"] = np.asarray(value).tobytes() if not isinstance(value, str) else value
@@ -35,8 +29,13 @@ def differences(a, b):
 
 
 def tiles(archive):
-    """The slices of the blocks of all scenes, in the order of tile_done, which has those that hold a design."""
-    extent = archive["status"].shape
-    edge = [1] * (len(extent) - 3) + [int(archive["tile_done"].attrs[f"edge_{axis}"]) for axis in ("r1", "r3", "r2")]
-    for first in np.ndindex(*(-(-n // e) for n, e in zip(extent, edge))):
-        yield tuple(slice(i * e, (i + 1) * e) for i, e in zip(first, edge))
+    """The slices in the maps of the tiles of all scenes."""
+    outer = archive["scene_lattice"].shape
+    for scene, *block in archive["tile_block"][...].astype(int).tolist():
+        yield (*(slice(i, i + 1) for i in np.unravel_index(scene, outer)),
+               *(slice(first, first + count) for first, count in zip(block[:3], block[3:])))
+
+
+def tiles_done(archive):
+    """Whether each tile is done."""
+    return archive["tile_designs"][...].any(axis=1)

@@ -67,7 +67,7 @@ class DamageTest(DirectoryTest):
 
     def tiles(self, name):
         with h5py.File(self.path(name)) as archive:
-            return len(archive["tile_done"])
+            return len(archive["tile_block"])
 
     def verify(self, name):
         """The damage that `info --verify` reports: {(map, tile)}."""
@@ -103,7 +103,7 @@ class Flips(DamageTest):
         whole = self.read("plain0.h5")
         with h5py.File(self.path("plain0.h5"), "r+") as archive:
             axes = [archive[name][...] for name in ("r1", "r3", "r2")]
-            edge = [int(archive["tile_done"].attrs[f"edge_{name}"]) for name in ("r1", "r3", "r2")]
+            edge = archive["tile_block"][0, 4:].tolist()
             archive["speed"][0, 0, 0] += 1e-9
         done = self.run_program("info", "plain0.h5", "--verify", code=1)
         ranges = ", ".join(f"{name} = {axis[0]} to {axis[count - 1]}"
@@ -112,12 +112,12 @@ class Flips(DamageTest):
         self.assertIn("repeat the command of the sweep with --overwrite", done.stderr)
         self.write("plain0.h5", whole)
 
-    def test_damage_of_tallies_and_checksums_is_found(self):
+    def test_damage_of_numbers_of_designs_and_of_checksums_is_found(self):
         whole = self.read("plain0.h5")
         with h5py.File(self.path("plain0.h5"), "r+") as archive:
-            archive["tile_tally"][2, 8] += 1
+            archive["tile_designs"][2, 8] += 1
             archive["tile_checksum"][4, 1] ^= np.uint64(1)
-        self.assertEqual(self.verify("plain0.h5"), {("tile_tally", 2), ("status", 4)})
+        self.assertEqual(self.verify("plain0.h5"), {("tile_designs", 2), ("status", 4)})
         self.write("plain0.h5", whole)
 
 

@@ -159,8 +159,7 @@ def outputs():
                  "x" * 255, "x" * 300, "job.cfg", "text.txt", "empty", "fifo", "/dev/null", "loop", "link_to_fifo",
                  "link_to_folder", "socket"]:
         yield sweep(2, f"--output.file={name}")
-    for name in ["partial_fifo.h5", "partial_text.h5", "partial_folder.h5", "partial_job.h5", "lock_text.h5",
-                 "lock_link.h5", "lock_fifo.h5", "lock_folder.h5"]:
+    for name in ["partial_fifo.h5", "partial_text.h5", "partial_folder.h5", "partial_job.h5"]:
         for more in [[], ["--overwrite"]]:
             yield sweep(2, "--output.file", name, *more)
     yield sweep(0, "--output.file", "a name with blanks.h5")
@@ -307,17 +306,14 @@ def fill(directory):
     with open(os.path.join(directory, "utf16.cfg"), "w", encoding="utf-16") as file:
         file.write("[scene]\ngravity = 9\n")
     os.mkdir(os.path.join(directory, "folder"))
-    for name in ["fifo", "partial_fifo.h5.partial", "lock_fifo.h5.lock"]:
+    for name in ["fifo", "partial_fifo.h5.partial"]:
         os.mkfifo(os.path.join(directory, name))
     os.mknod(os.path.join(directory, "socket"), 0o600 | stat.S_IFSOCK)
-    for name in ["partial_folder.h5.partial", "lock_folder.h5.lock"]:
-        os.mkdir(os.path.join(directory, name))
+    os.mkdir(os.path.join(directory, "partial_folder.h5.partial"))
     write("partial_folder.h5.partial/notes", "precious\n")
     write("partial_text.h5.partial", "precious\n")
-    write("lock_text.h5.lock", "precious\n")
     for name, target in [("loop", "loop"), ("link_to_fifo", "fifo"), ("link_to_folder", "folder"),
-                         ("dangling", "target.h5"), ("lock_link.h5.lock", "job.cfg"),
-                         ("partial_job.h5.partial", "job.cfg")]:
+                         ("dangling", "target.h5"), ("partial_job.h5.partial", "job.cfg")]:
         os.symlink(target, os.path.join(directory, name))
 
 

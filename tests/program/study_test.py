@@ -55,13 +55,9 @@ class Slices(DirectoryTest):
                 with self.own(mass, height, *options) as own, self.subTest(mass=mass, height=height):
                     yield (i, j), own
 
-    def assert_optimum(self, study, scene, own, error):
+    def assert_optimum(self, study, scene, own):
         for name in OPTIMUM:
-            expected = own.attrs[error if name == "best_error" else name]
-            if name == "best_error" and error == "error_at_optimum":  # with another reference
-                self.assertAlmostEqual(study[name][scene], expected, delta=1e-12)
-            else:
-                self.assertEqual(study[name][scene], expected, name)
+            self.assertEqual(study[name][scene], own.attrs[name], name)
 
     def test_each_slice_is_the_sweep_of_its_scene(self):
         with h5py.File(self.path("study.h5")) as study:
@@ -79,7 +75,7 @@ class Slices(DirectoryTest):
                     self.assertEqual(values[inside].tobytes(), own[name][...].tobytes(), name)
                     is_fill = np.isnan if values.dtype.kind == "f" else np.logical_not
                     self.assertTrue(is_fill(values[outside]).all(), name)
-                self.assert_optimum(study, scene, own, "error_at_optimum")
+                self.assert_optimum(study, scene, own)
 
     def test_the_best_scene_and_the_counts_are_those_of_all_sweeps(self):
         with h5py.File(self.path("study.h5")) as study:
@@ -116,7 +112,7 @@ class Slices(DirectoryTest):
         with h5py.File(self.path("none1.h5")) as study:
             self.assertEqual([name for name in self.FIELDS if name in study], [])
             for scene, own in self.each_scene(*NO_MAPS[2:]):
-                self.assert_optimum(study, scene, own, "refined_error")
+                self.assert_optimum(study, scene, own)
 
     def test_info_repeats_the_summary_of_the_sweep(self):
         sweep = self.run_program("sweep", "study.cfg", *QUIET, *NO_MAPS, "--output.file", "info.h5", ranks=2).stdout
@@ -352,7 +348,8 @@ class Stops(resume_test.ResumeTest):
         text = self.run_program("info", "job.h5").stdout
         self.assertRegex(text, r"job\.h5\.partial, unfinished, \d+\.\d % of the tiles done; interrupted: run the command")
         self.assertRegex(text, r"lattice +118 x 47 x 46 \(r1 x r3 x r2\), 389028 designs in 12 scenes")
-        self.assertRegex(text, r"scenes +12, 12 not done or without an optimum")
+        self.assertRegex(text, r"\nscenes +12")
+        self.assertRegex(text, r"\n +(50|125|200) .+ -\n")  # the best so far of a scene has no error
         for _ in range(50):
             launcher = self.launch(2, *options, "--time-limit", f"{self.sweep_seconds[()] / 2:.2f}")
             errors = self.finish(launcher, codes=(0, 75))
@@ -391,7 +388,7 @@ class Stops(resume_test.ResumeTest):
 
 
 class Damage(damage_test.DamageTest):
-    """Flipped bits in a study's maps, in the optima of its scenes and in its tallies."""
+    """Flipped bits in a study's maps, in the optima of its scenes and in its numbers of designs."""
 
     JOB_TEXT = f"[scene]\n{AXES}{damage_test.JOB}"
     SCENES = 12
@@ -424,11 +421,11 @@ class Damage(damage_test.DamageTest):
         for dataset, scene in zip(resume_test.OPTIMUM, self.random.sample(range(len(ends)), min(len(ends), 3))):
             self.flip_number(name, dataset, np.unravel_index(scene, (len(MASSES), len(HEIGHTS))))
             found.add(("best", ends[scene]))
-        tally = self.random.randrange(last + 1)
-        self.flip_number(name, "tile_tally", (tally, 10))
-        return found | {("tile_tally", tally)}
+        tile = self.random.randrange(last + 1)
+        self.flip_number(name, "tile_designs", (tile, 1))
+        return found | {("tile_designs", tile)}
 
-    def test_damage_of_maps_optima_and_tallies_is_found(self):
+    def test_damage_of_maps_optima_and_numbers_of_designs_is_found(self):
         for compression in (0, 1):
             name = f"plain{compression}.h5"
             whole = self.read(name)

@@ -12,7 +12,7 @@
 
 namespace trebsweep {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// A job with some hundred designs per scene.
 inline Job job_of_one_scene() { return parse_job("[lattice]\nincrement = 0.1\n", "a.cfg", {}); }
@@ -29,8 +29,6 @@ inline Job job_of_six_scenes() {
 struct SmallStudy {
   explicit SmallStudy(const Job& job = job_of_one_scene()) : study(job), tiling(study, {4, 3, 5}) {}
 
-  bool has_optima() const { return !study.job().outer_axes.empty(); }
-
   Study study;
   Tiling tiling;
 };
@@ -42,7 +40,7 @@ inline std::vector<SmallStudy> small_studies() {
 
 /// A map of numbers, which are value_of() their cell, and a map of flags, which are 2.
 inline std::vector<MapInfo> two_maps(MapType type) {
-  return {{"number", "m s-1", "a number", "flag", type, nan, {}},
+  return {{"number", "m s-1", "a number", "flag", type, no_value, {}},
           {"flag", "", "a flag", "", MapType::uint8, 0, {"none", "one", "two"}}};
 }
 
@@ -51,10 +49,17 @@ inline double value_of(std::uint64_t scene, const Index3& i) {
 }
 
 /// The optimum of a scene; none in the third.
-inline SceneOptimum optimum_of(std::uint64_t scene) {
+inline BestDesign optimum_of(std::uint64_t scene) {
   const auto n = static_cast<double>(scene);
-  return scene == 2 ? SceneOptimum{}
-                    : SceneOptimum{n + 0.1, n + 0.2, n + 0.3, n + 0.4, n + 0.5, n + 0.6, n + 0.7};
+  if (scene == 2) return {};
+  return to_best_design({n + 0.1, n + 0.2, n + 0.3, n + 0.4, n + 0.5, n + 0.6, n + 0.7});
+}
+
+inline std::vector<BestDesign> optima_of(const SmallStudy& small) {
+  std::vector<BestDesign> optima;
+  for (std::uint64_t scene = 0; scene < small.study.scenes(); ++scene)
+    optima.push_back(optimum_of(scene));
+  return optima;
 }
 
 /// The values of two_maps() in a tile.
@@ -66,49 +71,74 @@ inline std::vector<std::vector<double>> values_of(const SmallStudy& small, const
       for (std::size_t c = 0; c < count[2]; ++c) {
         const Index3 i{first[0] + a, first[1] + b, first[2] + c};
         const bool holds = small.study.lattice(tile.scene).holds(i);
-        maps[0].push_back(holds ? value_of(tile.scene, i) : nan);
+        maps[0].push_back(holds ? value_of(tile.scene, i) : no_value);
         maps[1].push_back(holds ? 2 : 0);
       }
   return maps;
 }
 
-/// Attributes of an archive that can be recognized, but not read.
-inline Attributes some_attributes() {
-  return {{"best_speed", 17.5},
-          {"source", std::string("trebsweep 0")},
-          {"job", std::string("some text")}};
-}
-
-/// The optima of a study's scenes.
-inline std::vector<SceneOptimum> optima_of(const SmallStudy& small) {
-  std::vector<SceneOptimum> optima;
-  for (std::uint64_t scene = 0; small.has_optima() && scene < small.study.scenes(); ++scene)
-    optima.push_back(optimum_of(scene));
-  return optima;
-}
-
-/// Writes tiles with the first of two_maps(), each rank its own; collective.
-inline void write_tiles(const std::filesystem::path& path, const SmallStudy& small,
-                        const std::vector<MapInfo>& maps, int compression, const TileRange& range,
-                        const Attributes& attributes = some_attributes()) {
-  const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
-  const auto ranks = static_cast<std::uint64_t>(mpi::size(MPI_COMM_WORLD));
-  std::vector<std::vector<std::byte>> bytes;
-  std::vector<TileResults> own;
-  for (std::uint64_t t = range.first + rank; t < range.end; t += ranks) {
-    const auto values = values_of(small, small.tiling.tile(t));
-    bytes.push_back(to_bytes(Tally{}, values, maps));
-    own.push_back(to_tile_results({RecordKind::tile, t, bytes.back()}));
+/// The results of some tiles with the first of two_maps(), whose designs are all released.
+class StoredTiles {
+ public:
+  /// Of every `step`-th tile of a range.
+  StoredTiles(const SmallStudy& small, const std::vector<MapInfo>& maps, const TileRange& range,
+              std::uint64_t step = 1) {
+    for (std::uint64_t t = range.first; t < range.end; t += step) {
+      const Tile tile = small.tiling.tile(t);
+      Tally tally;
+      tally.statuses[static_cast<std::size_t>(Status::released)] =
+          small.study.lattice(tile.scene).designs_in(tile.block);
+      bytes_.push_back(to_bytes(tally, values_of(small, tile), maps));
+      results_.push_back(to_tile_results({RecordKind::tile, t, bytes_.back()}));
+    }
   }
-  const auto optima = optima_of(small);
-  write_archive(path, {small.study, small.tiling, maps, compression, attributes, optima}, own,
-                MPI_COMM_WORLD);
+
+  const std::vector<TileResults>& results() const { return results_; }
+
+ private:
+  std::vector<std::vector<std::byte>> bytes_;
+  std::vector<TileResults> results_;
+};
+
+/// What an archive holds except for the results of its tiles.
+struct SmallSkeleton {
+  SmallSkeleton(const SmallStudy& small, const std::vector<MapInfo>& maps, int compression)
+      : optima(optima_of(small)),
+        attributes(root_attributes(small.study.job(), "a run", summary())),
+        skeleton{small.study, small.tiling, maps, compression, attributes, optima} {}
+
+  Summary summary() const {
+    Summary result;
+    result.optima = optima;
+    return result;
+  }
+
+  std::vector<BestDesign> optima;
+  Attributes attributes;
+  Skeleton skeleton;
+};
+
+/// Writes some tiles, without MPI.
+inline void write_tiles(const std::filesystem::path& path, const SmallStudy& small,
+                        const std::vector<MapInfo>& maps, int compression, const TileRange& range) {
+  write_archive(path, SmallSkeleton(small, maps, compression).skeleton,
+                StoredTiles(small, maps, range).results());
 }
 
-/// Writes every tile; collective.
+/// Writes every tile, without MPI.
 inline void write_all(const std::filesystem::path& path, const SmallStudy& small,
                       const std::vector<MapInfo>& maps, int compression) {
   write_tiles(path, small, maps, compression, {0, small.tiling.size()});
+}
+
+/// Writes every tile, each rank its own; collective.
+inline void write_together(const std::filesystem::path& path, const SmallStudy& small,
+                           const std::vector<MapInfo>& maps, int compression) {
+  const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
+  const auto ranks = static_cast<std::uint64_t>(mpi::size(MPI_COMM_WORLD));
+  write_archive(path, SmallSkeleton(small, maps, compression).skeleton,
+                StoredTiles(small, maps, {rank, small.tiling.size()}, ranks).results(),
+                MPI_COMM_WORLD);
 }
 
 }  // namespace trebsweep

@@ -29,14 +29,17 @@ Results integrate_all(const Job& job) {
   return all;
 }
 
-Summary summary_of(const Job& job, const Results& all) {
+/// What they amount to. The sweep took long enough for a check of a minute.
+Totals totals_of(const Job& job, const Results& all) {
   const Study study(job);
-  Tally tally;
+  Totals totals(1);
   for (std::size_t n = 0; n < all.designs.size(); ++n) {
     const Index3 index = study.lattice(0).index_of(all.designs[n]);
-    tally.add(all.swings[n], study.cell(0, index), all.swings[n].speed);
+    totals.tally.add(all.swings[n], study.cell(0, index), all.designs[n], all.swings[n].speed);
   }
-  return to_summary(tally, study);
+  totals.best[0] = totals.tally.best;
+  totals.tally.sweep_seconds = 6000;
+  return totals;
 }
 
 /// The checks of a job with one scene, and the error that they show.
@@ -46,10 +49,10 @@ struct Measured {
 };
 
 Measured measure(const Job& job, const Results& all, MPI_Comm comm = MPI_COMM_WORLD) {
-  const Summary summary = summary_of(job, all);
-  const auto sample = check_scene(Study(job), 0, summary.optimum, summary, 60, never, comm);
-  REQUIRE(sample);
-  return {sample->checks, measured_error({&*sample, 1}, 0)};
+  const auto samples = check_scenes(Study(job), totals_of(job, all), never, comm);
+  REQUIRE(samples);
+  REQUIRE(samples->size() == 1);
+  return {samples->front().checks, measured_error(*samples, 0)};
 }
 
 /// A job on a lattice of some ten thousand designs.
@@ -104,7 +107,7 @@ TEST_CASE("The error at the optimum is that of quadruple precision") {
     Job job = medium_job();
     job.solver.tolerance = tolerance;
     const Results all = integrate_all(job);
-    const Optimum best = *summary_of(job, all).optimum;
+    const BestDesign best = totals_of(job, all).best[0];
     const double truth = reference(job.scene, best.design, job.solver).speed;
     const double error = std::abs(best.speed - truth);
     CHECK(measure(job, all).error->at_optimum == Approx(error).epsilon(0.01).margin(4e-15));
@@ -119,8 +122,7 @@ TEST_CASE("The checks include a status that a single design has") {
   std::sort(times.begin(), times.end());
   job.solver.max_time = (times.back() + times[times.size() - 2]) / 2;
   all = integrate_all(job);
-  const Summary summary = summary_of(job, all);
-  REQUIRE(summary.statuses[static_cast<std::size_t>(Status::not_released)] == 1);
+  REQUIRE(totals_of(job, all).tally.statuses[static_cast<std::size_t>(Status::not_released)] == 1);
   const auto checks = measure(job, all).checks;
   CHECK(std::count_if(checks.begin(), checks.end(),
                       [](const Check& c) { return c.status == Status::not_released; }) == 1);
@@ -203,15 +205,31 @@ TEST_CASE("The optimum is checked even where the time does not suffice for all o
   CHECK_FALSE(std::isnan(error->at_optimum));
 }
 
-TEST_CASE("The scenes that are checked include that of the optimum and those of rare statuses") {
+TEST_CASE("The scenes that are checked include those of the optimum and of rare statuses") {
   Job job;
+  job.lattice.r1 = job.lattice.r3 = AxisRange{0.6, 0.6, 1};
+  job.lattice.r2 = AxisRange{0.8, 0.8, 1};
   job.outer_axes = {{"scene.projectile-mass", {}, "1:100:1"}};
   for (int mass = 1; mass <= 100; ++mass) job.outer_axes[0].values.push_back(mass);
-  Summary summary;
-  summary.optimum = Optimum{{}, 1, 1, 1, 41};
-  summary.first_of_statuses = {{0, {}}, {77, {}}};
-  const auto scenes = scenes_to_check(Study(job), summary);
-  CHECK(scenes == std::vector<std::uint64_t>{0, 14, 28, 41, 42, 56, 70, 77, 84, 99});
+  const Study study(job);
+  Totals totals(100);
+  totals.best[41].value = totals.best[41].speed = 1;
+  totals.best[41].design = {0.6, 0.6, 0.8};
+  totals.tally.first_cells[0] = study.cell(0, {0, 0, 0});
+  totals.tally.first_cells[3] = study.cell(77, {0, 0, 0});
+  const auto scenes = [&] {
+    std::vector<std::uint64_t> numbers;
+    const auto samples = check_scenes(study, totals, never, MPI_COMM_WORLD).value();
+    for (const ErrorSample& sample : samples) {
+      CHECK(sample.checks.size() == 1);
+      CHECK(std::isnan(sample.at_best) == (sample.scene != 41));
+      numbers.push_back(sample.scene);
+    }
+    return numbers;
+  };
+  CHECK(scenes() == std::vector<std::uint64_t>{0, 14, 28, 41, 42, 56, 70, 77, 84, 99});
+  totals.optima[60].value = 2;  // a refined one
+  CHECK(scenes() == std::vector<std::uint64_t>{0, 14, 28, 41, 42, 56, 60, 70, 77, 84, 99});
 }
 
 TEST_CASE("The error of a study is pooled over the scenes that were checked") {
@@ -234,7 +252,7 @@ TEST_CASE("The error of a study is pooled over the scenes that were checked") {
 
 TEST_CASE("No error is returned once any rank is stopped") {
   const Job job = medium_job();
-  const Summary summary = summary_of(job, integrate_all(job));
+  const Totals totals = totals_of(job, integrate_all(job));
   const auto stopped = [] { return mpi::rank(MPI_COMM_WORLD) == 0; };
-  CHECK_FALSE(check_scene(Study(job), 0, summary.optimum, summary, 60, stopped, MPI_COMM_WORLD));
+  CHECK_FALSE(check_scenes(Study(job), totals, stopped, MPI_COMM_WORLD));
 }

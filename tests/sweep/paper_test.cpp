@@ -1,9 +1,8 @@
 #include "support/archive_reader.hpp"
 #include "support/catch.hpp"
 #include "support/paper_algorithm.hpp"
-#include "trebsweep/base/mpi.hpp"
+#include "support/quiet_sweep.hpp"
 #include "trebsweep/job/config_file.hpp"
-#include "trebsweep/sweep/sweep.hpp"
 
 using namespace trebsweep;
 
@@ -11,21 +10,16 @@ TEST_CASE("On the whole lattice, the paper's job agrees with the paper's algorit
   const TemporaryFile file("paper");
   Job job = parse_job(read_job_file(SOURCE_DIR "/jobs/paper.cfg"), "paper.cfg", {});
   job.output.file = file.path();
-  SweepOptions options;
-  options.overwrite = true;
-  options.progress = ProgressStyle::none;
-  const auto summary = sweep(job, options, MPI_COMM_WORLD);
-
-  REQUIRE(summary);
-  CHECK(summary->designs() == 706860);
-  CHECK(summary->statuses[static_cast<std::size_t>(Status::released)] == 706860);
-  CHECK(summary->steps == 50335710);
-  REQUIRE(summary->optimum);
-  CHECK(summary->optimum->speed == Approx(17.47606519).margin(5e-9));
-  CHECK(summary->optimum->design.r1 == 0.51);
-  CHECK(summary->optimum->design.r2 == 0.91);
-  CHECK(summary->optimum->design.r3 == 0.58);
-  if (mpi::rank(MPI_COMM_WORLD) != 0) return;
+  const Summary summary = summary_of(job);
+  CHECK(summary.designs() == 706860);
+  CHECK(summary.statuses[static_cast<std::size_t>(Status::released)] == 706860);
+  CHECK(summary.steps == 50335710);
+  const BestDesign best = best_of(summary);
+  CHECK(best.speed == Approx(17.47606519).margin(5e-9));
+  CHECK(best.design.r1 == 0.51);
+  CHECK(best.design.r2 == 0.91);
+  CHECK(best.design.r3 == 0.58);
+  if (!root()) return;
 
   const auto speed = read_map(file.path(), "speed"), time = read_map(file.path(), "release_time");
   const auto status = read_map(file.path(), "status");

@@ -1,14 +1,12 @@
 #include "trebsweep/sweep/scene_optima.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "support/archive_reader.hpp"
 #include "support/catch.hpp"
 #include "support/quiet_sweep.hpp"
-#include "trebsweep/archive/archive_contents.hpp"
-#include "trebsweep/base/mpi.hpp"
-#include "trebsweep/job/study.hpp"
-#include "trebsweep/sweep/sweep.hpp"
+#include "trebsweep/archive/archive_reader.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
 using namespace trebsweep;
@@ -27,27 +25,106 @@ Job small_study(const TemporaryFile& file) {
   return job;
 }
 
+/// The least tension of the sling by a function that integrates.
+double least_tension(decltype(integrate_accurately) integrate_by, const Job& job,
+                     const Design<double>& design) {
+  constexpr std::array fields{Field::least_sling_tension};
+  SwingResult result;
+  double value = 0;
+  integrate_by(job.scene, job.solver, {{&design, 1}, {&result, 1}, fields, {&value, 1}});
+  return value;
+}
+
+void by_the_solver(const Scene& scene, const Solver& solver, const Batch& batch) {
+  integrate(scene, solver, batch);
+}
+
+/// The best design of a lattice.
+BestDesign best_at(const Design<double>& design, double value) {
+  return to_best_design({value, value, design.r1, design.r3, design.r2, 1, BestDesign::nan});
+}
+
+constexpr Design<double> coarse{0.6, 0.6, 0.8}, between{0.55, 0.58, 0.9};
+
+std::optional<BestDesign> no_refinement(const Job&, const Design<double>&) { return std::nullopt; }
+
 }  // namespace
+
+TEST_CASE("The optimum of a scene is the best design of its lattice, by the job's solver") {
+  Job job;
+  job.solver.tolerance = 1e-4;
+  const BestDesign best = best_at(coarse, 15);
+  BestDesign optimum = scene_optimum(job, best, {});
+  CHECK(optimum.value == 15);
+  CHECK(optimum.design == coarse);
+  CHECK(optimum.build.least_sling_tension == least_tension(by_the_solver, job, coarse));
+  SwingResult accurate{};
+  integrate_accurately(job.scene, job.solver, {{&coarse, 1}, {&accurate, 1}});
+  CHECK(optimum.error == std::abs(15 - accurate.speed));
+  job.solver.check = false;
+  optimum = scene_optimum(job, best, {});
+  CHECK(std::isnan(optimum.error));
+  CHECK(optimum.build.least_sling_tension == least_tension(by_the_solver, job, coarse));
+}
+
+TEST_CASE("The optimum of a scene is the refined one if there is one, integrated accurately") {
+  Job job;
+  job.solver.tolerance = 1e-4;
+  job.optimum.refine = true;
+  const double accurate = least_tension(integrate_accurately, job, between);
+  CHECK(accurate != least_tension(by_the_solver, job, between));
+  const Refine refine = [&](const Job&, const Design<double>& design) {
+    CHECK(design == coarse);
+    BestDesign refined = best_at(between, 16);
+    refined.error = 1e-9;
+    return refined;
+  };
+  BestDesign optimum = scene_optimum(job, best_at(coarse, 15), refine);
+  CHECK(optimum.value == 16);
+  CHECK(optimum.design == between);
+  CHECK(optimum.error == 1e-9);
+  CHECK(optimum.build.least_sling_tension == accurate);
+  optimum = scene_optimum(job, best_at(coarse, 15), no_refinement);
+  CHECK(optimum.value == 15);
+  CHECK(optimum.design == coarse);
+  CHECK(optimum.error > 0);
+}
+
+TEST_CASE("The optima of a study are each integrated in its own scene") {
+  const TemporaryFile file("study");
+  Job job = small_study(file);
+  job.outer_axes = {{"scene.fulcrum-height", {1.6, 1.7, 1.8, 1.9}, "1.6:1.9:0.1"}};
+  job.lattice.r1 = AxisRange{0.8, 0.8, 1};
+  const Summary summary = summary_of(job);
+  REQUIRE(summary.optima.size() == 4);
+  for (std::uint64_t scene = 0; scene < 4; ++scene) {
+    const Job own = job_at(job, scene);
+    const BestDesign& optimum = summary.optima[scene];
+    CHECK(optimum.build.least_sling_tension == least_tension(by_the_solver, own, optimum.design));
+    CHECK(optimum.build.counterweight_clearance ==
+          Approx(own.scene.fulcrum_height - 0.8).margin(1e-6));
+    SwingResult accurate{};
+    integrate_accurately(own.scene, own.solver, {{&optimum.design, 1}, {&accurate, 1}});
+    CHECK(optimum.error == std::abs(optimum.speed - accurate.speed));
+    CHECK(optimum.error < 1e-4);
+  }
+}
 
 TEST_CASE("A scene's slice of a study is bitwise the sweep of that scene alone") {
   const TemporaryFile file("study"), alone("scene");
   const Job job = small_study(file);
   const Study study(job);
   for (const Index3& edge : {Index3{16, 16, 16}, Index3{4, 3, 5}}) {
-    const auto summary = sweep(job, quiet(edge), MPI_COMM_WORLD);
-    REQUIRE(summary);
-    CHECK(summary->designs() == study.designs());
+    const Summary summary = summary_of(job, quiet(edge));
+    CHECK(summary.designs() == study.designs());
+    REQUIRE(summary.optima.size() == study.scenes());
     for (std::uint64_t scene = 0; scene < study.scenes(); ++scene) {
       Job single = job_at(job, scene);
       single.output.file = alone.path();
-      const auto own = sweep(single, quiet(), MPI_COMM_WORLD);
+      const Summary own = summary_of(single);
+      const auto numbers = to_numbers(summary.optima[scene]), expected = to_numbers(best_of(own));
+      CHECK(std::equal(numbers.begin(), numbers.end(), expected.begin(), same_bits));
       if (!root()) continue;
-      REQUIRE(summary->optima.size() == study.scenes());
-      const SceneOptimum& optimum = summary->optima[scene];
-      CHECK(same_bits(optimum.speed, own->optimum->speed));
-      CHECK(same_bits(optimum.r1, own->optimum->design.r1));
-      CHECK(same_bits(optimum.r2, own->optimum->design.r2));
-      CHECK(same_bits(optimum.release_time, own->optimum->release_time));
       const Lattice lattice(single.scene, single.lattice), &box = study.lattice(scene);
       for (const char* name : {"speed", "release_time", "status"}) {
         const auto whole = read_map(file.path(), name), slice = read_map(alone.path(), name);
@@ -75,28 +152,20 @@ TEST_CASE("A scene's slice of a study is bitwise the sweep of that scene alone")
 TEST_CASE("Without maps a study stores the optima of its scenes, with their errors, and no map") {
   const TemporaryFile file("study"), without("without");
   Job job = small_study(file);
-  const auto with_maps = sweep(job, quiet(), MPI_COMM_WORLD);
+  const Summary with_maps = summary_of(job);
   job.output.file = without.path();
   job.output.maps = Maps::none;
-  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
-  CHECK(summary->statuses == with_maps->statuses);
+  const Summary summary = summary_of(job);
+  CHECK(summary.statuses == with_maps.statuses);
   if (!root()) return;
   CHECK_THROWS(read_map(without.path(), "speed"));
-  for (const std::string_view name : scene_optimum_names) {
+  for (const std::string_view name : best_names) {
     const auto a = read_map(file.path(), std::string(name)),
                b = read_map(without.path(), std::string(name));
     REQUIRE(a.size() == 6);
     CHECK(std::equal(a.begin(), a.end(), b.begin(), b.end(), same_bits));
   }
-  for (std::uint64_t scene = 0; scene < 6; ++scene) {
-    const SceneOptimum& optimum = summary->optima[scene];
-    const Design<double> design{optimum.r1, optimum.r3, optimum.r2};
-    SwingResult accurate{};
-    const Job single = job_at(job, scene);
-    integrate_accurately(single.scene, single.solver, {{&design, 1}, {&accurate, 1}});
-    CHECK(optimum.error == std::abs(optimum.speed - accurate.speed));
-    CHECK(optimum.error < 1e-4);
-  }
+  CHECK(read_map(without.path(), "best_error")[4] == summary.optima[4].error);
 }
 
 TEST_CASE("With refine, the optimum of each scene is what the function finds for it") {
@@ -108,19 +177,18 @@ TEST_CASE("With refine, the optimum of each scene is what the function finds for
   options.refine = [](const Job& single, const Design<double>& design) {
     CHECK(single.outer_axes.empty());
     const double value = single.scene.projectile_mass + single.scene.fulcrum_height;
-    return RefinedOptimum{{{design.r1, design.r3, 7}, value, 3, 4}, 5};
+    return to_best_design({value, 3, design.r1, design.r3, 0.07, 4, 5});
   };
-  const auto summary = sweep(job, options, MPI_COMM_WORLD);
-  REQUIRE(summary->refined);
-  CHECK(summary->refined->optimum.value == 101.5);
-  CHECK(summary->refined->optimum.scene == 5);
+  const Summary summary = summary_of(job, options);
+  CHECK(summary.best() == 5u);
+  CHECK(best_of(summary).value == 101.5);
   if (!root()) return;
-  const auto stored = best_refined(job, read_contents(file.path()).optima);
-  REQUIRE(stored);
-  CHECK(stored->optimum.scene == 5);
+  const Summary stored = read_contents(file.path()).summary;
+  CHECK(stored.best() == 5u);
+  CHECK(best_of(stored).value == 101.5);
   CHECK(read_map(file.path(), "best_value") ==
         std::vector<double>{51.2, 51.25, 51.5, 101.2, 101.25, 101.5});
-  CHECK(read_map(file.path(), "best_r2") == std::vector<double>(6, 7));
+  CHECK(read_map(file.path(), "best_r2") == std::vector<double>(6, 0.07));
   CHECK(read_map(file.path(), "best_error") == std::vector<double>(6, 5));
 }
 
@@ -128,34 +196,32 @@ TEST_CASE("A scene without a release has no optimum, and the others have theirs"
   const TemporaryFile file("study");
   Job job = small_study(file);
   job.outer_axes[0] = {"scene.pivot-friction", {0, 1e9}, "0, 1e9"};
-  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
-  if (!root()) return;
+  const Summary summary = summary_of(job);
   for (std::uint64_t scene = 0; scene < 6; ++scene)
-    CHECK(summary->optima[scene].exists() == (scene < 3));
+    CHECK(summary.optima[scene].exists() == (scene < 3));
 }
 
 TEST_CASE("A study that is stopped again and again ends with the same archive as one in one go") {
   const TemporaryFile straight("straight"), stopped("stopped");
   const Index3 edge{4, 3, 5};
-  const auto expected = sweep(small_study(straight), quiet(edge), MPI_COMM_WORLD);
+  const Summary expected = summary_of(small_study(straight), quiet(edge));
   const Job job = small_study(stopped);
   SweepOptions options = quiet(edge);
   options.overwrite = false;
-  std::optional<Summary> summary;
+  Summary summary;
   int runs = 0;
   do {
     int calls_left = runs == 0 ? 8 : 12 + 2 * runs;
     options.stop = [&] { return calls_left-- <= 0; };
-    summary = sweep(job, options, MPI_COMM_WORLD);
-    REQUIRE(summary);
+    summary = summary_of(job, options);
     ++runs;
-  } while (!summary->complete && runs < 200);
+  } while (!summary.complete && runs < 200);
   CHECK(runs > 5);
-  CHECK(summary->statuses == expected->statuses);
-  CHECK(summary->optimum->scene == expected->optimum->scene);
+  CHECK(summary.statuses == expected.statuses);
+  CHECK(summary.best() == expected.best());
   if (!root()) return;
   for (const char* map : {"speed", "status", "projectile_mass", "fulcrum_height", "r1",
-                          "best_speed", "best_r1", "best_error", "tile_done"}) {
+                          "best_speed", "best_r1", "best_error", "tile_block", "tile_designs"}) {
     const auto a = read_map(straight.path(), map), b = read_map(stopped.path(), map);
     CHECK(std::equal(a.begin(), a.end(), b.begin(), b.end(), same_bits));
   }

@@ -17,9 +17,14 @@ constexpr double fast = 1e-6;  // s per design
 
 TEST_CASE(
     "A tile is about a fifth of a small lattice along each axis, and a block of a large one") {
-  CHECK(tile_edge({99, 120, 119}, 1, Maps::all, fast) == Index3{20, 24, 24});
-  CHECK(tile_edge({999, 1200, 1199}, 1, Maps::all, fast) == Index3{48, 48, 48});
+  CHECK(tile_edge({99, 120, 121}, 1, Maps::all, fast) == Index3{20, 24, 25});
+  CHECK(tile_edge({999, 1200, 1201}, 1, Maps::all, fast) == Index3{48, 48, 48});
   CHECK(tile_edge({5, 1, 3}, 1, Maps::all, fast) == Index3{5, 1, 3});
+}
+
+TEST_CASE("Tiles divide the axes r3 and r2 evenly where an extent near a fifth does") {
+  CHECK(tile_edge({99, 120, 119}, 1, Maps::all, fast) == Index3{20, 24, 17});
+  CHECK(tile_edge({99, 130, 127}, 1, Maps::all, fast) == Index3{20, 26, 26});
 }
 
 TEST_CASE("A long or flat lattice has fewer than 10,000 tiles") {

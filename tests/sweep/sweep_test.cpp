@@ -5,11 +5,11 @@
 #include "support/archive_reader.hpp"
 #include "support/catch.hpp"
 #include "support/quiet_sweep.hpp"
-#include "trebsweep/archive/output_path.hpp"
+#include "trebsweep/archive/archive_reader.hpp"
+#include "trebsweep/archive/output_file.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/job/config_file.hpp"
-#include "trebsweep/job/tiling.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
 using namespace trebsweep;
@@ -32,8 +32,7 @@ TEST_CASE(
   const TemporaryFile file("sweep");
   const Job job = coarse_job(file);
   for (const Index3& edge : {Index3{16, 16, 16}, Index3{1, 1, 1}, Index3{2, 5, 3}}) {
-    const auto summary = sweep(job, quiet(edge), MPI_COMM_WORLD);
-    REQUIRE(summary);
+    const Summary summary = summary_of(job, quiet(edge));
     if (root()) {
       const Lattice lattice(job.scene, job.lattice);
       const auto speed = read_map(file.path(), "speed"),
@@ -58,8 +57,8 @@ TEST_CASE(
             REQUIRE(status[cell] == static_cast<double>(alone.status));
             best = std::max(best, speed[cell]);
           }
-      CHECK(summary->optimum->speed == best);
-      CHECK(summary->designs() == lattice.designs());
+      CHECK(best_of(summary).speed == best);
+      CHECK(summary.designs() == lattice.designs());
     }
   }
 }
@@ -69,12 +68,12 @@ TEST_CASE("The accurate job's speeds are within 1e-7 m/s of those at a tolerance
   job.lattice.increment = 0.05;
   const TemporaryFile file("accurate");
   job.output.file = file.path();
-  sweep(job, quiet(), MPI_COMM_WORLD);
+  summary_of(job);
   const std::vector<double> speed = root() ? read_map(file.path(), "speed") : std::vector<double>{};
   job.solver.stepper = "fehlberg78";
   job.solver.tolerance = 1e-12;
-  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
-  CHECK(summary->designs() == summary->statuses[static_cast<std::size_t>(Status::released)]);
+  const Summary summary = summary_of(job);
+  CHECK(summary.designs() == summary.statuses[static_cast<std::size_t>(Status::released)]);
   if (root()) {
     const auto truth = read_map(file.path(), "speed");
     std::uint64_t close = 0, different = 0;
@@ -82,28 +81,9 @@ TEST_CASE("The accurate job's speeds are within 1e-7 m/s of those at a tolerance
       close += std::abs(speed[i] - truth[i]) < 1e-7;  // false for NaN
       different += speed[i] != truth[i] && !std::isnan(truth[i]);
     }
-    CHECK(close == summary->designs());
+    CHECK(close == summary.designs());
     CHECK(different > 0);
   }
-}
-
-TEST_CASE("The lane steps of the tiles add up, and each tile has at least its steps") {
-  const TemporaryFile file("lane_steps");
-  const auto summary = sweep(coarse_job(file), quiet(Index3{3, 3, 3}), MPI_COMM_WORLD);
-  if (!root()) return;
-  const auto tallies = read_map(file.path(), "tile_tally");
-  std::uint64_t lane_steps = 0;
-  for (std::size_t i = 0; i < tallies.size(); i += tally_columns.size()) {
-    const Tally tally = to_tally([&] {
-      TallyRow row;
-      std::copy_n(&tallies[i], row.size(), row.begin());
-      return row;
-    }());
-    CHECK(tally.steps > 0);
-    CHECK(tally.lane_steps >= tally.steps);
-    lane_steps += tally.lane_steps;
-  }
-  CHECK(lane_steps == summary->lane_steps);
 }
 
 TEST_CASE("A sweep of one design gives the same optimum on any number of ranks") {
@@ -113,11 +93,10 @@ TEST_CASE("A sweep of one design gives the same optimum on any number of ranks")
   job.lattice.r3 = AxisRange{3, 3, 1};
   job.lattice.r2 = AxisRange{4, 4, 1};
   job.scene.gravity = 9.81;
-  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
-  REQUIRE(summary);
-  CHECK(summary->designs() == 1);
-  CHECK(summary->optimum->speed == Approx(23.7371408230).margin(1e-6));
-  CHECK(summary->optimum->design.r2 == 4);
+  const Summary summary = summary_of(job);
+  CHECK(summary.designs() == 1);
+  CHECK(best_of(summary).speed == Approx(23.7371408230).margin(1e-6));
+  CHECK(best_of(summary).design.r2 == 4);
 }
 
 TEST_CASE("Designs without a release have a status, but neither speed nor release time") {
@@ -125,11 +104,10 @@ TEST_CASE("Designs without a release have a status, but neither speed nor releas
   Job job = coarse_job(file);
   job.lattice.r1 = AxisRange{0.4, 0.6, 0.1};
   job.solver.max_time = 0.7;
-  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
-  REQUIRE(summary);
-  const auto count = [&](Status s) { return summary->statuses[static_cast<std::size_t>(s)]; };
-  CHECK(count(Status::unreachable_start) == summary->designs() / 3);
-  CHECK(count(Status::not_released) > summary->designs() / 3);
+  const Summary summary = summary_of(job);
+  const auto count = [&](Status s) { return summary.statuses[static_cast<std::size_t>(s)]; };
+  CHECK(count(Status::unreachable_start) == summary.designs() / 3);
+  CHECK(count(Status::not_released) > summary.designs() / 3);
   CHECK(count(Status::released) > 0);
   if (root()) {
     const auto speed = read_map(file.path(), "speed"), time = read_map(file.path(), "release_time");
@@ -146,17 +124,15 @@ TEST_CASE("A sweep without a release has no optimum") {
   const TemporaryFile file("nothing");
   Job job = coarse_job(file);
   job.solver.max_time = 0.01;
-  const auto summary = sweep(job, quiet(), MPI_COMM_WORLD);
-  REQUIRE(summary);
-  CHECK_FALSE(summary->optimum);
-  CHECK_THAT(to_text(*summary, job), contains("optimum   none"));
+  const Summary summary = summary_of(job);
+  CHECK_FALSE(summary.best());
 }
 
 TEST_CASE("The fields that decide about the optimum are not stored unless they are requested") {
   const TemporaryFile file("deciding");
   Job job = coarse_job(file);
   job.optimum = {Field::range, {{Field::peak_axle_load, true, 2e5}}};
-  sweep(job, quiet(), MPI_COMM_WORLD);
+  summary_of(job);
   if (root()) {
     CHECK_NOTHROW(read_map(file.path(), "speed"));
     CHECK_THROWS(read_map(file.path(), "range"));
@@ -168,7 +144,7 @@ TEST_CASE("Only the requested maps are stored") {
   const TemporaryFile file("fields");
   Job job = coarse_job(file);
   job.output.fields = {Field::speed};
-  sweep(job, quiet(), MPI_COMM_WORLD);
+  summary_of(job);
   if (root()) {
     CHECK_NOTHROW(read_map(file.path(), "speed"));
     CHECK_THROWS(read_map(file.path(), "release_time"));
@@ -180,15 +156,40 @@ TEST_CASE("An existing archive is kept: the same job is complete, another job is
   const TemporaryFile file("kept");
   Job job = coarse_job(file);
   SweepOptions options = quiet();
-  sweep(job, options, MPI_COMM_WORLD);
+  const auto run = [&] { return sweep(Study(job), options, MPI_COMM_WORLD); };
+  run();
   const auto before = std::filesystem::last_write_time(file.path());
   options.overwrite = false;
-  CHECK_FALSE(sweep(job, options, MPI_COMM_WORLD));
+  CHECK_FALSE(run());
   job.scene.gravity = 9.81;
-  CHECK_THROWS_WITH(sweep(job, options, MPI_COMM_WORLD), contains("archive of another job"));
+  CHECK_THROWS_WITH(run(), contains("archive of another job"));
   CHECK(std::filesystem::last_write_time(file.path()) == before);
   options.overwrite = true;
-  CHECK(sweep(job, options, MPI_COMM_WORLD));
+  CHECK(run());
+}
+
+TEST_CASE("The archive's contents are the summary, which is the same on all ranks") {
+  const TemporaryFile file("summary");
+  Job job = coarse_job(file);
+  job.outer_axes = {{"scene.projectile-mass", {50, 100}, "50, 100"}};
+  const Summary summary = summary_of(job);
+  REQUIRE(summary.error);
+  const MeasuredError error = mpi::from_root(*summary.error, MPI_COMM_WORLD);
+  CHECK(same_bits(error.largest, summary.error->largest));
+  for (const BestDesign& optimum : summary.optima)
+    CHECK(to_numbers(optimum) == mpi::from_root(to_numbers(optimum), MPI_COMM_WORLD));
+  CHECK(summary.utilisation > 0);
+  CHECK(summary.utilisation <= 1);
+  if (!root()) return;
+  const Summary stored = read_contents(file.path()).summary;
+  CHECK(stored.statuses == summary.statuses);
+  CHECK(stored.steps == summary.steps);
+  CHECK(stored.utilisation == summary.utilisation);
+  CHECK(stored.error->largest == summary.error->largest);
+  CHECK(stored.complete);
+  REQUIRE(stored.optima.size() == summary.optima.size());
+  for (std::size_t scene = 0; scene < stored.optima.size(); ++scene)
+    CHECK(to_numbers(stored.optima[scene]) == to_numbers(summary.optima[scene]));
 }
 
 TEST_CASE("A sweep stopped repeatedly produces bitwise the same maps and the same optimum") {
@@ -199,41 +200,36 @@ TEST_CASE("A sweep stopped repeatedly produces bitwise the same maps and the sam
   job.output.optimum_filter = GENERATE(OptimumFilter::all, OptimumFilter::taut);
   job.lattice.r1 = AxisRange{0.4, 1.4, 0.1};
   constexpr Index3 edge{1, 3, 3};
-  const auto expected = sweep(job, quiet(edge), MPI_COMM_WORLD);
-  REQUIRE(expected);
-  CHECK(expected->complete);
+  const Summary expected = summary_of(job, quiet(edge));
+  CHECK(expected.complete);
 
   job.output.file = stopped.path();
   SweepOptions options = quiet();
   options.overwrite = false;
-  std::optional<Summary> summary;
+  Summary summary;
   std::uint64_t before = 0;
   int runs = 0;
   do {
     int calls_left = runs < 5 ? 7 : 30;  // in the end enough for the check of the error
     options.stop = [&] { return calls_left-- <= 0; };
     options.tile_edge = runs < 1 ? edge : Index3{7, 7, 7};  // ignored: the sweep has its own
-    summary = sweep(job, options, MPI_COMM_WORLD);
-    REQUIRE(summary);
+    summary = summary_of(job, options);
     // Every run makes progress.
-    CHECK((summary->designs() > before || before == expected->designs()));
-    before = summary->designs();
+    CHECK((summary.designs() > before || before == expected.designs()));
+    before = summary.designs();
     ++runs;
-  } while (!summary->complete && runs < 100);
+  } while (!summary.complete && runs < 100);
   CHECK(runs > 3);
-  CHECK(summary->statuses == expected->statuses);
-  CHECK(summary->steps == expected->steps);
-  REQUIRE(summary->optimum.has_value() == expected->optimum.has_value());
-  if (summary->optimum) {
-    CHECK(summary->optimum->speed == expected->optimum->speed);
-    CHECK(summary->optimum->release_time == expected->optimum->release_time);
-    CHECK(summary->optimum->design.r1 == expected->optimum->design.r1);
-  }
+  CHECK(summary.statuses == expected.statuses);
+  CHECK(summary.steps == expected.steps);
+  const BestNumbers best = to_numbers(summary.optima[0]),
+                    expected_best = to_numbers(expected.optima[0]);
+  CHECK(std::equal(best.begin(), best.end(), expected_best.begin(), same_bits));
   if (root()) {
-    for (const char* map : {"speed", "slack", "r1", "r3", "r2", "tile_done"}) {
+    for (const char* map : {"speed", "slack", "r1", "r3", "r2", "tile_block", "tile_designs"}) {
       const auto a = read_map(straight.path(), map), b = read_map(stopped.path(), map);
       REQUIRE(std::equal(a.begin(), a.end(), b.begin(), b.end(), same_bits));
     }
-    CHECK_FALSE(std::filesystem::exists(stopped.path().string() + ".lock"));
+    CHECK_FALSE(std::filesystem::exists(partial_path(stopped.path())));
   }
 }

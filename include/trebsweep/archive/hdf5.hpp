@@ -3,8 +3,12 @@
 #include <hdf5.h>
 #include <mpi.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -55,10 +59,32 @@ using Datatype = Handle<&H5Tclose>;
 using Attribute = Handle<&H5Aclose>;
 using Properties = Handle<&H5Pclose>;
 
+/// The HDF5 type of a number in memory.
+template <class Number>
+hid_t native_type() {
+  if constexpr (std::is_same_v<Number, double>) return H5T_NATIVE_DOUBLE;
+  if constexpr (std::is_same_v<Number, std::uint64_t>) return H5T_NATIVE_UINT64;
+  if constexpr (std::is_same_v<Number, unsigned char>) return H5T_NATIVE_UCHAR;
+}
+
 /// Opens a file for writing by all ranks of a communicator; collective.
 File open_parallel(const std::filesystem::path& path, MPI_Comm comm);
 
 Dataset open_dataset(hid_t file, const std::string& name);
+
+/// Creates a dataset of the given type and extents.
+Dataset create_dataset(hid_t file, const std::string& name, hid_t type,
+                       std::span<const hsize_t> extents, hid_t properties = H5P_DEFAULT);
+
+/// The same with its values, last axis fastest.
+template <class Number>
+Dataset create_dataset(hid_t file, const std::string& name, std::span<const hsize_t> extents,
+                       const std::vector<Number>& values) {
+  Dataset dataset = create_dataset(file, name, native_type<Number>(), extents);
+  check(H5Dwrite(dataset, native_type<Number>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+        "write " + name);
+  return dataset;
+}
 
 /// Variable-length UTF-8 text, which h5py and netCDF read as str.
 Datatype text_type();
@@ -67,6 +93,10 @@ Datatype text_type();
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, unsigned long long value);
+
+/// Creates an attribute of the given type with some values, or with one if `is_scalar`.
+void write_attribute(hid_t object, const std::string& name, hid_t type,
+                     std::span<const double> values, bool is_scalar = false);
 
 // The functions below read files of any origin. They throw std::runtime_error if an object does not
 // have the expected type and size.
@@ -77,10 +107,20 @@ double read_number_attribute(hid_t object, const std::string& name);
 /// The names of a group's members, in alphabetical order.
 std::vector<std::string> link_names(hid_t group);
 
+/// The number of values of a contiguous dataset.
+std::size_t count_values(hid_t file, hid_t dataset);
+
 /// The extent of each axis of a dataset.
 std::vector<hsize_t> extents(hid_t dataset);
 
 /// All values of a contiguous dataset, last axis fastest.
-std::vector<double> read_numbers(hid_t file, const std::string& name);
+template <class Number = double>
+std::vector<Number> read_numbers(hid_t file, const std::string& name) {
+  const Dataset dataset = open_dataset(file, name);
+  std::vector<Number> values(count_values(file, dataset));
+  check(H5Dread(dataset, native_type<Number>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+        "read " + name);
+  return values;
+}
 
 }  // namespace trebsweep::hdf5

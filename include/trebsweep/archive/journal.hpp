@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <span>
 #include <vector>
 
@@ -13,19 +14,20 @@
 // An archive FILE is written once, when all its designs are done. Until then the results are in the
 // folder FILE.partial:
 //
+//   lock                   locked by rank 0 of the run that is active, and names it
 //   sweep.json             the job, the version of the numerics, the tiles, and the history
 //   RUN-RANK.journal       the results of one rank in one run
 //   archive.h5             the archive while it is written
 //
-//   start        rank 0 creates the folder and sweep.json, which it writes under another name and
-//                renames; a run that resumes adds its line to the history
+//   start        rank 0 creates and locks the folder and writes sweep.json, under another name, which
+//                it then renames; a run that resumes adds its line to the history
 //   sweep        a rank claims tiles, computes them, and appends a record of each to its journal,
 //                in memory; every two seconds, or when 64 MiB have gathered, it writes the records
 //                to the file. No rank waits for another, and nothing in a file changes later.
 //   stop         at a signal or the time limit, a rank finishes its current tile, writes its
 //                journal, and calls fsync
 //   end          the ranks write archive.h5 from the records; rank 0 calls fsync, renames it to
-//                FILE, and removes the folder
+//                FILE, and removes the folder, its lock last
 //
 // A record is a header, which has the number of a tile or a scene, and the results as the archive
 // stores them. The header has a checksum of itself and of the results. A record that does not match
@@ -60,6 +62,9 @@ struct Record {
   std::span<const std::byte> results;
 };
 
+/// The size of what precedes the results in a record.
+inline constexpr std::size_t record_header_bytes = 40;
+
 /// The intact records of a journal, in their order. They refer to its bytes.
 std::vector<Record> intact_records(std::span<const std::byte> journal);
 
@@ -79,17 +84,14 @@ class MappedFile {
 /// written.
 class Journal {
  public:
-  /// The file is created when it is first written; it must not exist.
+  /// The file is created when it is first written.
   explicit Journal(std::filesystem::path path) : path_(std::move(path)) {}
-  ~Journal();
-  Journal(const Journal&) = delete;
-  Journal& operator=(const Journal&) = delete;
 
   /// Adds a record in memory.
-  void append(const Record& record);
+  void append(RecordKind kind, std::uint64_t number, std::vector<std::byte> results);
 
   /// The size of the records in memory.
-  std::size_t unwritten_bytes() const { return unwritten_.size(); }
+  std::size_t unwritten_bytes() const { return unwritten_bytes_; }
 
   /// Writes the records in memory to the file.
   void write();
@@ -101,9 +103,16 @@ class Journal {
   std::vector<Record> records();
 
  private:
+  struct Unwritten {
+    RecordKind kind;
+    std::uint64_t number;
+    std::vector<std::byte> results;
+  };
+
   std::filesystem::path path_;
-  int file_ = -1;
-  std::vector<std::byte> unwritten_;
+  std::ofstream file_;
+  std::vector<Unwritten> unwritten_;
+  std::size_t unwritten_bytes_ = 0;
   std::vector<MappedFile> written_;  // at most one
 };
 

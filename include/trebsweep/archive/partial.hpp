@@ -2,7 +2,6 @@
 
 #include <mpi.h>
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -12,9 +11,9 @@
 
 namespace trebsweep {
 
-// The folder of an unfinished sweep, which journal.hpp describes.
+// The folder of an unfinished archive, which journal.hpp describes.
 
-/// What sweep.json says of it.
+/// What sweep.json says of an unfinished sweep.
 struct PartialSweep {
   std::string job;                   ///< text of the job file
   std::string source;                ///< program and version that started it
@@ -25,11 +24,20 @@ struct PartialSweep {
   std::vector<std::string> history;  ///< a line for each run
 };
 
-/// Writes sweep.json, and creates the folder if it does not exist. For one rank.
+/// Writes sweep.json in an existing folder. For one rank.
 void write_partial_sweep(const std::filesystem::path& folder, const PartialSweep& sweep);
 
 /// Reads sweep.json. Throws std::runtime_error if it is missing or damaged.
 PartialSweep read_partial_sweep(const std::filesystem::path& folder);
+
+/// Throws InputError if an unfinished sweep belongs to another job, and std::runtime_error if it
+/// was started with another version of the numerics or another kind of floating-point arithmetic:
+/// its maps would differ from those of an uninterrupted sweep.
+void require_resumable(const Job& job, const std::filesystem::path& folder,
+                       const PartialSweep& partial);
+
+/// Whether the text of a job file that a sweep stored is that of a job with the same results.
+bool is_same_job(const Job& job, const std::string& stored);
 
 /// The journal of a rank in the run whose line of the history has the given number.
 std::filesystem::path journal_path(const std::filesystem::path& folder, std::size_t run, int rank);
@@ -40,19 +48,14 @@ std::vector<std::filesystem::path> journals_in(const std::filesystem::path& fold
 /// The archive while it is written.
 std::filesystem::path unfinished_archive(const std::filesystem::path& folder);
 
-/// Whether a folder is empty or holds only what a sweep creates.
+/// Whether a folder holds only what this program creates in it.
 bool is_partial_folder(const std::filesystem::path& folder);
 
-/// Removes the folder of a sweep.
-void remove_partial(const std::filesystem::path& folder);
+/// Removes everything from a folder except its lock.
+void clear_partial(const std::filesystem::path& folder);
 
 /// Throws mpi::RootError if a rank cannot see a file, as when ranks run in different directories or
 /// on file systems that they do not share. Collective.
 void require_visible(const std::filesystem::path& path, MPI_Comm comm);
-
-/// Renames a complete file to its final name, after an fsync. Throws std::runtime_error if that
-/// name belongs to any file except the one whose file_identity() is `replaces`. For one rank.
-void rename_to_final(const std::filesystem::path& from, const std::filesystem::path& to,
-                     const std::string& replaces);
 
 }  // namespace trebsweep

@@ -17,6 +17,9 @@ std::optional<std::string> irregular_kind(const std::filesystem::path& path);
 /// modification; empty if the file does not exist. Throws std::system_error.
 std::string file_identity(const std::filesystem::path& path);
 
+/// Waits until a file is on disk (fsync). Throws std::runtime_error.
+void sync_file(const std::filesystem::path& path);
+
 /// Resolves a path that may be a symbolic link, dangling or not. Throws std::system_error if the
 /// links form a loop.
 std::filesystem::path follow_links(std::filesystem::path path);

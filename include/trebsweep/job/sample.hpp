@@ -17,6 +17,9 @@ std::vector<Index3> sample_box(const Lattice& lattice, const Block& box, std::si
 /// `count` more from Sobol's sequence. Of all designs, if the lattice has no more than that.
 std::vector<Index3> sample_indices(const Lattice& lattice, std::size_t count);
 
+/// The designs with some indices.
+std::vector<Design<double>> designs_at(const std::vector<Index3>& indices, const Lattice& lattice);
+
 /// The designs of sample_indices().
 std::vector<Design<double>> sample(const Lattice& lattice, std::size_t count);
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "trebsweep/archive/summary.hpp"
+#include "trebsweep/archive/best_design.hpp"
 #include "trebsweep/base/progress.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/optimum/allowance.hpp"
@@ -81,6 +81,6 @@ std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& 
 /// The optimum of a job's design space that a search from a design of its lattice reaches; nothing
 /// if that is not feasible. The error is the difference from another stepper, both at a tolerance
 /// of 1e-13.
-std::optional<RefinedOptimum> refine(const Job& job, const Design<double>& start);
+std::optional<BestDesign> refine(const Job& job, const Design<double>& start);
 
 }  // namespace trebsweep

@@ -4,9 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "trebsweep/archive/summary.hpp"
-#include "trebsweep/job/study.hpp"
-#include "trebsweep/sweep/schedule.hpp"
+#include "trebsweep/archive/tally.hpp"
+#include "trebsweep/job/tiling.hpp"
 
 namespace trebsweep {
 
@@ -18,7 +17,7 @@ struct ComputedTile {
 
 /// Integrates the designs of tiles, which are in ascending order. Calls `stop` about every 0.2 s;
 /// once it is true, finishes the tile that has been begun, and leaves out those after it.
-std::vector<ComputedTile> compute(const std::vector<NumberedTile>& tiles, const Study& study,
+std::vector<ComputedTile> compute(const std::vector<Tile>& tiles, const Study& study,
                                   const std::function<bool()>& stop);
 
 /// The mean time to integrate a design on one core (s), measured for about 50 ms on a sample of the

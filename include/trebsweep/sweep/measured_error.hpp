@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "trebsweep/archive/summary.hpp"
 #include "trebsweep/job/study.hpp"
+#include "trebsweep/sweep/results.hpp"
 
 namespace trebsweep {
 
@@ -33,30 +33,27 @@ struct ErrorSample {
   std::uint64_t scene = 0;
   std::vector<Check> checks;
   std::size_t spread = 0;  ///< how many of the checks, the first ones, are spread over the lattice
-  double at_optimum = std::numeric_limits<double>::quiet_NaN();  ///< error of its speed, m/s
+  /// The error of the speed of its lattice's best design, m/s.
+  double at_best = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// The scenes of a study in which the error is measured: that of the optimum, that of the first
-/// design of each status, and eight spread evenly. In ascending order.
-std::vector<std::uint64_t> scenes_to_check(const Study& study, const Summary& summary);
-
-/// Checks designs of a complete sweep in one of its scenes: 128 to 2048 designs of the lattice
-/// spread evenly; the optimum, its neighbours and the first design of each status; and, twice, 16
-/// designs near the one with the largest error so far: those whose speeds change most with a tenth
-/// of the tolerance or half the step. The accurate speeds are those of integrate_accurately(), and
-/// of speed_in_extended_precision() at the optimum. Designs that could not be integrated accurately
-/// are left out. So are those not begun within `seconds`, except for the optimum, its neighbours
-/// and the first design of each status; otherwise the result depends on the job alone. `optimum` is
-/// that of the scene's lattice, and `summary` that of all scenes. Collective; the same on all
-/// ranks. Returns nothing once `stop` is true on any rank.
-std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
-                                       const std::optional<Optimum>& optimum,
-                                       const Summary& summary, double seconds,
-                                       const std::function<bool()>& stop, MPI_Comm comm);
+/// Checks designs of a complete sweep: in the scene of the optimum, in that of the first design of
+/// each status, and in eight spread evenly, which are returned in ascending order. In each 128 to
+/// 2048 designs of the lattice spread evenly; the best design, its neighbours and the first design
+/// of each status; and, twice, 16 designs near the one with the largest error so far: those whose
+/// speeds change most with a tenth of the tolerance or half the step. The accurate speeds are those
+/// of integrate_accurately(), and of speed_in_extended_precision() at the best design. Designs that
+/// could not be integrated accurately are left out. So are those not begun within a second, or 1 %
+/// of the time of the sweep, except for the best design, its neighbours and the first design of
+/// each status; otherwise the result depends on the job alone. Collective; `totals` and the result
+/// are the same on all ranks. Returns nothing once `stop` is true on any rank.
+std::optional<std::vector<ErrorSample>> check_scenes(const Study& study, const Totals& totals,
+                                                     const std::function<bool()>& stop,
+                                                     MPI_Comm comm);
 
 /// The error of the speeds of a sweep from the checks of its scenes; nothing if no checked design
-/// has a speed. `best` is the scene of the optimum.
+/// has a speed. `scene` is that of the optimum.
 std::optional<MeasuredError> measured_error(std::span<const ErrorSample> samples,
-                                            std::uint64_t best);
+                                            std::uint64_t scene);
 
 }  // namespace trebsweep

@@ -7,12 +7,6 @@
 
 namespace trebsweep {
 
-/// A tile and its number in the Tiling.
-struct NumberedTile {
-  std::uint64_t number;
-  Tile tile;
-};
-
 /// The extent of a lattice's tiles: about a fifth of the lattice along each axis, which gives
 /// enough tiles to share among ranks but few to write. Longer along an axis where the others are
 /// short, if there are many scenes, and without maps; shorter where designs are slow, so that a

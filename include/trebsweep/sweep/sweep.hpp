@@ -5,11 +5,12 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "trebsweep/archive/summary.hpp"
 #include "trebsweep/base/progress.hpp"
-#include "trebsweep/job/job.hpp"
-#include "trebsweep/job/lattice.hpp"
+#include "trebsweep/job/study.hpp"
+#include "trebsweep/sweep/measured_error.hpp"
 #include "trebsweep/sweep/scene_optima.hpp"
 
 namespace trebsweep {
@@ -24,12 +25,17 @@ struct SweepOptions {
   std::function<bool()> stop = [] { return false; };  ///< polled on every rank
 };
 
-/// Integrates every design of the job's lattice in every scene, measures the error of the speeds,
-/// and writes the archive; continues an interrupted sweep of the same job. Collective. Returns the
-/// summary, or nothing if the complete archive of this job already exists. If `stop` is true on any
-/// rank, all ranks stop after the tiles that they have begun, which their journals keep. Throws, on
-/// all ranks, InputError if the job or the path of its archive is invalid, and mpi::RootError if an
-/// archive cannot be created or an unfinished sweep cannot be continued.
-std::optional<Summary> sweep(const Job& job, const SweepOptions& options, MPI_Comm comm);
+struct SweepResult {
+  Summary summary;
+  std::vector<ErrorSample> samples;  ///< of a complete sweep with solver.check
+};
+
+/// Integrates every design of the lattice in every scene, measures the error of the speeds, and
+/// writes the archive; continues an interrupted sweep of the same job. Collective; the result is
+/// the same on all ranks. Returns nothing if the complete archive of this job already exists. If
+/// `stop` is true on any rank, all ranks stop after the tiles that they have begun, which their
+/// journals keep. Throws, on all ranks, InputError if the path of the archive is invalid, and
+/// mpi::RootError if an archive cannot be created or an unfinished sweep cannot be continued.
+std::optional<SweepResult> sweep(const Study& study, const SweepOptions& options, MPI_Comm comm);
 
 }  // namespace trebsweep

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
+#include <string>
 
-#include "trebsweep/archive/archive_writer.hpp"
 #include "trebsweep/archive/partial.hpp"
-#include "trebsweep/archive/summary.hpp"
+#include "trebsweep/sweep/results.hpp"
 
 namespace trebsweep {
 
@@ -17,8 +16,11 @@ class Unfinished {
 
   const PartialSweep& description() const { return description_; }
   const Study& study() const { return study_; }
-  const Tiling& tiling() const { return tiling_; }
+  std::uint64_t tiles() const { return tiling_.size(); }
   std::uint64_t tiles_done() const { return tiles_.size(); }
+
+  /// The lines of the runs.
+  std::string history() const;
 
   /// What is known so far.
   Summary summary() const;
@@ -31,10 +33,8 @@ class Unfinished {
   PartialSweep description_;
   Study study_;
   Tiling tiling_;
-  std::vector<MapInfo> maps_;
-  std::vector<MappedFile> journals_;
+  StoredRecords stored_;
   std::vector<TileResults> tiles_;
-  std::vector<SceneOptimum> optima_;
 };
 
 }  // namespace trebsweep

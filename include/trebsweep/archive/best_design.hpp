@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "trebsweep/job/buildable.hpp"
+#include "trebsweep/model/scene.hpp"
+
+namespace trebsweep {
+
+/// The best of some designs of a scene: of those that have a release and satisfy the job's
+/// constraints, the one with the largest objective. NaN where there is none, or a value is unknown.
+struct BestDesign {
+  static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+  double value = nan;  ///< the objective, in the unit of its field
+  double speed = nan;  ///< m/s
+  Design<double> design{nan, nan, nan};
+  double release_time = nan;  ///< s
+  double error = nan;         ///< of the value, in its unit
+  BuildValues build{nan, nan, nan, nan, nan};
+
+  bool exists() const { return !std::isnan(value); }
+};
+
+/// Whether a design is better than another. Of equal ones of a scene, the first in its lattice is.
+bool is_better(const BestDesign& a, const BestDesign& b);
+
+/// The number of the scene with the best design, the first of equal ones; nothing if none has one.
+std::optional<std::uint64_t> best_scene(std::span<const BestDesign> of_scenes);
+
+/// The members that an archive stores, in this order.
+inline constexpr std::array<std::string_view, 7> best_names{
+    "best_value", "best_speed", "best_r1", "best_r3", "best_r2", "best_release_time", "best_error"};
+using BestNumbers = std::array<double, best_names.size()>;
+
+BestNumbers to_numbers(const BestDesign& best);
+BestDesign to_best_design(const BestNumbers& numbers);
+
+}  // namespace trebsweep

@@ -1,0 +1,37 @@
+#include "trebsweep/archive/best_design.hpp"
+
+#include <tuple>
+
+namespace trebsweep {
+
+bool is_better(const BestDesign& a, const BestDesign& b) {
+  if (!a.exists() || !b.exists()) return a.exists();
+  const auto place = [](const Design<double>& d) { return std::tuple(d.r1, d.r3, d.r2); };
+  return a.value > b.value || (a.value == b.value && place(a.design) < place(b.design));
+}
+
+std::optional<std::uint64_t> best_scene(std::span<const BestDesign> of_scenes) {
+  std::optional<std::uint64_t> best;
+  for (std::uint64_t scene = 0; scene < of_scenes.size(); ++scene)
+    if (of_scenes[scene].exists() && (!best || of_scenes[scene].value > of_scenes[*best].value))
+      best = scene;
+  return best;
+}
+
+BestNumbers to_numbers(const BestDesign& best) {
+  const auto& [r1, r3, r2] = best.design;
+  return {best.value, best.speed, r1, r3, r2, best.release_time, best.error};
+}
+
+BestDesign to_best_design(const BestNumbers& numbers) {
+  const auto& [value, speed, r1, r3, r2, release_time, error] = numbers;
+  BestDesign best;
+  best.value = value;
+  best.speed = speed;
+  best.design = {r1, r3, r2};
+  best.release_time = release_time;
+  best.error = error;
+  return best;
+}
+
+}  // namespace trebsweep
