@@ -73,7 +73,7 @@ FileLock::FileLock(const fs::path& folder) : folder_(folder) {
   // Its former holder may remove the file and the folder at any time.
   for (bool locked = false; !locked;) {
     const bool is_there = mkdir(folder.c_str(), 0777) == 0 || errno == EEXIST;
-    if (is_there) file_ = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    file_ = is_there ? open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666) : -1;
     if (is_there && file_ < 0 && errno == ENOENT) continue;
     if (file_ < 0) throw std::system_error(errno, std::generic_category(), path.string());
     if (!try_lock(file_, path)) {

@@ -16,12 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string size_text(std::uintmax_t bytes) {
-  const auto size = static_cast<double>(bytes);
-  if (size >= 1e9) return fmt::format("{:.4g} GB", size / 1e9);
-  return bytes >= 1'000'000 ? fmt::format("{:.4g} MB", size / 1e6) : fmt::format("{} bytes", bytes);
-}
-
 fs::path directory_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
@@ -58,6 +52,12 @@ std::string shortage_text(std::uintmax_t bytes, const std::string& why) {
 }
 
 }  // namespace
+
+std::string size_text(std::uintmax_t bytes) {
+  const auto size = static_cast<double>(bytes);
+  if (size >= 1e9) return fmt::format("{:.4g} GB", size / 1e9);
+  return bytes >= 1'000'000 ? fmt::format("{:.4g} MB", size / 1e6) : fmt::format("{} bytes", bytes);
+}
 
 void require_space(const Job& job, const fs::path& path, std::uintmax_t bytes, std::uintmax_t all) {
   const auto fail = [&](std::uintmax_t size, const std::string& why) {

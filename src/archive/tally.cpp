@@ -11,7 +11,9 @@ std::uint64_t sum(const StatusCounts& counts) {
 }
 
 double Tally::utilisation() const {
-  return lane_steps == 0 ? 0 : static_cast<double>(steps) / static_cast<double>(lane_steps);
+  // A kill may have lost the lane steps of tiles that are done.
+  const double used = static_cast<double>(steps), all = static_cast<double>(lane_steps);
+  return lane_steps == 0 ? 0 : std::min(used / all, 1.0);
 }
 
 void Tally::add(const SwingResult& result, std::uint64_t cell, const Design<double>& design,

@@ -64,7 +64,7 @@ RankResults::RankResults(const std::filesystem::path& folder, std::size_t run, d
 }
 
 void RankResults::add(RecordKind kind, std::uint64_t number, std::vector<std::byte> results) {
-  constexpr double seconds = 2;
+  constexpr double seconds = 1;
   constexpr std::size_t bytes = std::size_t{64} << 20;
   totals_.add({kind, number, results}, tiling_);
   journal_.append(kind, number, std::move(results));

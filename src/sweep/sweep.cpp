@@ -9,6 +9,7 @@
 #include "trebsweep/archive/free_space.hpp"
 #include "trebsweep/archive/hdf5.hpp"
 #include "trebsweep/archive/output_file.hpp"
+#include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/base/version.hpp"
 #include "trebsweep/sweep/compute.hpp"
@@ -67,15 +68,26 @@ void find_tiles(const Study& study, const SweepOptions& options, const OutputFil
     start.tile_edge[d] = std::min(start.tile_edge[d], study.extent()[d]);
 }
 
+/// Tells how much disk space a large sweep needs; `archive` is 0 if it is unknown.
+void state_space(const SweepOptions& options, std::uintmax_t archive, std::uintmax_t journals) {
+  constexpr std::uintmax_t large = 100'000'000;
+  if (options.progress == ProgressStyle::none || archive + journals < large) return;
+  const std::string least = archive == 0 ? "at least " : "";
+  print_message(fmt::format("disk space: {}{} until the archive is complete{}\n", least,
+                            size_text(archive + journals),
+                            archive == 0 ? "" : ", then " + size_text(archive)));
+}
+
 /// Describes a new sweep in its folder, or adds this run to the history of an earlier one. For rank
 /// 0.
 void open_folder(const Context& context, const OutputFile& output) {
   const Job& job = context.study.job();
   const fs::path folder = partial_path(output.path);
   if (!output.partial) {
-    const auto [archive, journals] = needed_space(context.study, context.tiling,
-                                                  map_infos(job.output), job.output.compression);
+    const auto [archive, journals] =
+        needed_space(context.study, context.tiling, map_infos(job.output), job.output.compression);
     require_space(job, unfinished_archive(folder), archive, archive + journals);
+    state_space(context.options, archive, journals);
     clear_partial(folder);
   }
   PartialSweep sweep =

@@ -151,7 +151,6 @@ TEST_CASE("An archive with impossible counts is damaged") {
   write_all(path, SmallStudy(), {}, 0);
   for (const std::string name : {"steps", "error_designs"}) {
     for (const double wrong : {-1.0, 1e17, no_value, 1e300}) {
-      if (name == "error_designs" && !(wrong > 0)) continue;  // not measured
       change(path, [&](hid_t file) {
         hdf5::check(H5Adelete(file, name.c_str()), "remove");
         hdf5::write_attribute(file, name, wrong);

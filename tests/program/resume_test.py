@@ -552,7 +552,7 @@ class Faults(ResumeTest):
 
     def test_a_file_size_limit_below_the_known_size_is_reported_at_once(self):
         errors = self.run_sweep(0, codes=(1,), launcher=self.limited(2, 14000))
-        self.assert_reported_once(errors, "needs at least 14.7 MB", "ulimit -f", "14.34 MB", "output.storage = float32")
+        self.assert_reported_once(errors, "needs at least 15.97 MB", "ulimit -f", "14.34 MB", "output.storage = float32")
         self.assertEqual(self.leftovers(), [])
 
     def test_a_full_disk_is_reported_and_the_sweep_continues_later(self):
@@ -565,7 +565,7 @@ class Faults(ResumeTest):
         try:
             file = os.path.join(disk, "job.h5")
             errors = self.run_sweep(2, output=file, codes=(2,))
-            self.assert_reported_once(errors, f"output.file = {file}: needs at least 29.",
+            self.assert_reported_once(errors, f"output.file = {file}: needs at least 31.8 MB",
                                       " bytes) are available in ", "output.maps = none", "output.storage",
                                       "output.fields", "output.compression", "lattice.increment")
             self.assertEqual(os.listdir(disk), [])

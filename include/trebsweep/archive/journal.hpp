@@ -22,7 +22,7 @@
 //   start        rank 0 creates and locks the folder and writes sweep.json, under another name, which
 //                it then renames; a run that resumes adds its line to the history
 //   sweep        a rank claims tiles, computes them, and appends a record of each to its journal,
-//                in memory; every two seconds, or when 64 MiB have gathered, it writes the records
+//                in memory; every second, or when 64 MiB have gathered, it writes the records
 //                to the file. No rank waits for another, and nothing in a file changes later.
 //   stop         at a signal or the time limit, a rank finishes its current tile, writes its
 //                journal, and calls fsync
@@ -38,9 +38,10 @@
 // What is lost
 //
 //   a kill during the start    nothing: the next run starts again
-//   a kill during the sweep    what the ranks have computed since they last wrote: two seconds and
-//                              the tiles in progress. Written records are in the operating system's
-//                              cache and do not depend on the process.
+//   a kill during the sweep    what the ranks have computed since they last wrote: a second, and
+//                              the tiles in progress, which take about a second at most. Written
+//                              records are in the operating system's cache and do not depend on the
+//                              process.
 //   a stop                     nothing
 //   a kill during the end      only records that were still in memory, as during the sweep: the
 //                              next run computes them and writes the archive again
