@@ -57,7 +57,8 @@ def tile_sizes(per_metre):
     r1 = per_metre - 1                       # 0.5 < r1 < 1.5
     rows = [int(1.2 * per_metre) - 1 - i for i in range(int(1.2 * per_metre))]  # r2 < 1.5 - r3
     extents = (r1, len(rows), rows[0])
-    edge = [min(n, max(16, min((n + 4) // 5, 64 if n > 2500 else 48))) for n in extents]
+    edge = [min(n, max(16, min((n + 4) // 5, 64 if n > 2500 else 48))) for n in extents]  # as in src/sweep/schedule.cpp
+    edge[1:] = [next((d for d in range(e, (2 * e - 1) // 3, -1) if n % d == 0), e) for e, n in zip(edge[1:], extents[1:])]
     plane = []
     for first in range(0, extents[1], edge[1]):
         for low in range(0, extents[2], edge[2]):
