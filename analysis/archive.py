@@ -76,7 +76,7 @@ class Archive:
     def __init__(self, path):
         """Opens the archive at `path`, or its unfinished sweep if only this one exists; ends the
         program with a message if it is neither."""
-        self.path = path = existing(path)
+        self.path = path = existing(path.rstrip("/"))
         with limited_cpu_time():
             self.file = open_archive(path)
             with reading(path, "is damaged"):
@@ -118,11 +118,15 @@ class Archive:
         of_scene, self.tile_first, count = blocks[:, 0], blocks[:, 1:4], blocks[:, 4:]
         self.edge = tuple(count.max(axis=0))
         self.first_tile = np.searchsorted(of_scene, np.arange(self.scenes.size + 1))
-        if len(self.done) != len(blocks) or (np.diff(of_scene) < 0).any() or (count < 1).any() or (
-                of_scene[-1] >= self.scenes.size or (self.tile_first + count > self.shape).any()):
+        if len(self.done) != len(blocks) or (blocks < 0).any() or (np.diff(of_scene) < 0).any() or (
+                count < 1).any() or of_scene[-1] >= self.scenes.size or (
+                    self.tile_first + count > self.shape).any():
             raise ValueError("tile_block has invalid tiles")
         self.lattices = read_lattices(self.file)
         self.lattice_of = self.file["scene_lattice"][...].astype(np.int64)
+        if self.lattice_of.shape != self.scenes.shape or not np.isin(
+                self.lattice_of, np.arange(len(self.lattices))).all():
+            raise ValueError("scene_lattice has invalid lattices")
 
     def _enter_scene(self):
         """Restricts axes and tiles to the only scene that is left."""

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs sweeps as PBS jobs (OpenPBS, PBS Professional) that continue automatically: shortly before the time limit the
-# sweep stops after a checkpoint, and the job resubmits itself until its archive is complete.
+# sweep stops after a tile, and the job resubmits itself until its archive is complete.
 #
 #   qsub -v jobs=jobs/millimetre.cfg jobs/pbs.sh                       one sweep
 #   jobs="a.cfg b.cfg c.cfg" qsub -J 1-3 -v jobs jobs/pbs.sh           three, one per subjob
@@ -20,7 +20,7 @@
 cd "${PBS_O_WORKDIR:?submit it with: qsub -v jobs=JOB jobs/pbs.sh}" || exit
 script=${script:-jobs/pbs.sh}                 # this file and the program: relative to qsub's directory, or absolute
 program=${TREBSWEEP:-build/release/trebsweep}
-margin=180                                    # s before the limit to stop at; a round of the sweep takes seconds
+margin=180                                    # s before the limit to stop at; a tile of the sweep takes a second
 most_restarts=100                             # a limit in case something is wrong
 launch=(mpirun -machinefile "$PBS_NODEFILE" -n "$(wc -l <"$PBS_NODEFILE")" --bind-to core)
 # module load gcc openmpi hdf5                # those that the program was built with
@@ -31,7 +31,7 @@ refuse() {
   exit 2
 }
 
-# PBS reruns a job whose node failed; the rerun continues the partial archive.
+# PBS reruns a job whose node failed; the rerun continues the unfinished sweep.
 runs=$(qstat -f "$PBS_JOBID" | sed -n 's/^ *run_count = //p')
 [[ ${runs:-1} -le 1 ]] || options=${options//--overwrite/}
 read -ra files <<<"${jobs:-}"
@@ -54,7 +54,7 @@ if [[ $walltime =~ ^([0-9]+):([0-9]+):([0-9]+)$ ]]; then
   arguments=(--time-limit "$seconds" "${arguments[@]}")
 fi
 
-# TERM is from qdel or the time limit. The launcher forwards USR1 to the ranks, which then finish their round.
+# TERM is from qdel or the time limit. The launcher forwards USR1 to the ranks, which then finish their tile.
 sweep='' cancelled=no
 trap 'cancelled=yes; kill -USR1 $sweep' TERM
 "${launch[@]}" "$program" sweep "$job" "${arguments[@]}" &

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs sweeps as Slurm jobs that continue automatically: shortly before the time limit the sweep is stopped after a
-# checkpoint, and the job is requeued until its archive is complete.
+# tile, and the job is requeued until its archive is complete.
 #
 #   sbatch jobs/slurm.sh jobs/millimetre.cfg                           one sweep
 #   sbatch --array=1-3 jobs/slurm.sh a.cfg b.cfg c.cfg                 three, one per array task
@@ -14,7 +14,7 @@
 #SBATCH --ntasks-per-core=1
 #SBATCH --time=01:00:00
 #SBATCH --output=%x-%j.log
-# Signals this script 3 minutes before the limit: Slurm may be a minute late, and a round of the sweep takes seconds.
+# Signals this script 3 minutes before the limit: Slurm may be a minute late, and a tile of the sweep takes a second.
 #SBATCH --signal=B:USR1@180
 #SBATCH --requeue
 # One log for the job and all its restarts.
@@ -47,11 +47,11 @@ number=${SLURM_ARRAY_TASK_ID:-1}
   refuse "--array: there is no job file number $number, only 1 to ${#jobs[@]}"
 command -v "$program" >/dev/null || refuse "$program: no such program; build it, or set TREBSWEEP"
 options=()
-for option in "$@"; do # a restart continues the partial archive
+for option in "$@"; do # a restart continues the unfinished sweep
   [[ $option == --overwrite && ${SLURM_RESTART_COUNT:-0} -gt 0 ]] || options+=("$option")
 done
 
-# The launcher forwards USR1 to the ranks, which then finish their round. TERM is from scancel: no restart after it.
+# The launcher forwards USR1 to the ranks, which then finish their tile. TERM is from scancel: no restart after it.
 sweep='' cancelled=no
 trap 'kill -USR1 $sweep' USR1
 trap 'cancelled=yes; kill -USR1 $sweep' TERM

@@ -215,11 +215,12 @@ NeededSpace needed_space(const Study& study, const Tiling& tiling, std::span<con
                          int compression) {
   const Block whole{{}, tiling.edge()};  // a chunk is stored whole
   const std::uintmax_t row = 8 * (block_columns.size() + status_names.size() + maps.size() + 1);
-  NeededSpace needed{0, 0};
+  const std::uintmax_t scenes = study.scenes();
+  NeededSpace needed{0, scenes * (record_header_bytes + sizeof(BestDesign))};
   for (std::uint64_t t = 0; t < tiling.size(); ++t)
     needed.journals += record_header_bytes + result_bytes(tiling.tile(t).block, maps);
   if (compression == 0) needed.archive = tiling.size() * (bytes_in(whole, maps) + row);
-  if (is_study(study.job())) needed.archive += study.scenes() * sizeof(BestNumbers);
+  if (is_study(study.job())) needed.archive += scenes * sizeof(BestNumbers);
   return needed;
 }
 

@@ -39,7 +39,7 @@ bool quota_forbids([[maybe_unused]] const fs::path& path, [[maybe_unused]] std::
   close(file);
   unlink(path.c_str());
 #endif
-  return error == EDQUOT || error == ENOSPC || error == EFBIG;
+  return error == EDQUOT || error == ENOSPC;
 }
 
 /// The size that a file needs, why it cannot have it, and what to do.

@@ -30,30 +30,31 @@ struct Header {
 };
 static_assert(sizeof(Header) == record_header_bytes && std::is_trivially_copyable_v<Header>);
 
-/// The checksum of a record: of its header without the checksum, and of its results.
-std::uint64_t record_checksum(const Header& header, std::span<const std::byte> results) {
+/// The checksum of a record of a sweep: of its header without the checksum, and of its results.
+std::uint64_t record_checksum(const Header& header, std::span<const std::byte> results,
+                              std::uint64_t sweep) {
   const auto head = std::as_bytes(std::span(&header, 1)).first(offsetof(Header, checksum));
-  return checksum(results, checksum(head));
+  return checksum(results, checksum(head, sweep));
 }
 
 /// The record at the start of some bytes, if it is intact.
-std::optional<Record> first_record(std::span<const std::byte> bytes) {
+std::optional<Record> first_record(std::span<const std::byte> bytes, std::uint64_t sweep) {
   Header header;
   if (bytes.size() < sizeof header) return std::nullopt;
   std::memcpy(&header, bytes.data(), sizeof header);
   bytes = bytes.subspan(sizeof header);
   if (header.mark != mark || header.size > bytes.size() || header.kind > 1) return std::nullopt;
   const auto results = bytes.first(header.size);
-  if (header.checksum != record_checksum(header, results)) return std::nullopt;
+  if (header.checksum != record_checksum(header, results, sweep)) return std::nullopt;
   return Record{static_cast<RecordKind>(header.kind), header.number, results};
 }
 
 }  // namespace
 
-std::vector<Record> intact_records(std::span<const std::byte> journal) {
+std::vector<Record> intact_records(std::span<const std::byte> journal, std::uint64_t sweep) {
   std::vector<Record> records;
   while (!journal.empty()) {
-    if (const auto record = first_record(journal)) {
+    if (const auto record = first_record(journal, sweep)) {
       records.push_back(*record);
       journal = journal.subspan(sizeof(Header) + record->results.size());
     } else {
@@ -98,7 +99,7 @@ void Journal::write() {
   };
   for (const auto& [kind, number, results] : unwritten_) {
     Header header{mark, static_cast<std::uint32_t>(kind), 0, number, results.size(), 0};
-    header.checksum = record_checksum(header, results);
+    header.checksum = record_checksum(header, results, sweep_);
     put(std::as_bytes(std::span(&header, 1)));
     put(results);
   }
@@ -120,7 +121,7 @@ std::vector<Record> Journal::records() {
   written_.clear();
   if (file_.is_open()) written_.emplace_back(path_);
   std::vector<Record> all;
-  for (const MappedFile& file : written_) all = intact_records(file.bytes());
+  for (const MappedFile& file : written_) all = intact_records(file.bytes(), sweep_);
   for (const auto& [kind, number, results] : unwritten_) all.push_back({kind, number, results});
   return all;
 }

@@ -186,7 +186,11 @@ void finish_output(const OutputFile& output) {
                     "move it away, and the same command will finish the archive",
                     from.string(), output.path.string()));
   fs::rename(from, output.path);
-  clear_partial(folder);
+  try {
+    clear_partial(folder);
+  } catch (const std::runtime_error&) {
+    // The archive is complete; the next run removes what remains.
+  }
 }
 
 }  // namespace trebsweep

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "trebsweep/archive/file_lock.hpp"
+#include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/base/version.hpp"
@@ -53,6 +54,8 @@ void write_partial_sweep(const fs::path& folder, const PartialSweep& sweep) {
   file << nlohmann::json(sweep).dump(2) << '\n';
   file.close();
   if (!file) throw std::runtime_error("cannot write " + path.string());
+  // A loss of power must not cost the journals of earlier runs.
+  if (fs::exists(folder / description)) sync_file(path);
   fs::rename(path, folder / description);
 }
 
@@ -112,18 +115,29 @@ std::vector<fs::path> journals_in(const fs::path& folder) {
 fs::path unfinished_archive(const fs::path& folder) { return folder / archive; }
 
 bool is_partial_folder(const fs::path& folder) {
-  return std::all_of(fs::directory_iterator(folder), {}, [](const fs::directory_entry& entry) {
+  std::error_code vanished;  // another run may be clearing it
+  return std::all_of(fs::directory_iterator(folder, vanished), {}, [](const auto& entry) {
     const fs::path name = entry.path().filename();
-    return fs::is_regular_file(entry.symlink_status()) &&
+    std::error_code ignored;
+    const fs::file_status status = entry.symlink_status(ignored);
+    return (fs::is_regular_file(status) || !fs::exists(status)) &&
            (name == description || name == new_description || name == archive ||
             name == lock_name || name.extension() == journal_suffix);
   });
 }
 
 void clear_partial(const fs::path& folder) {
-  std::error_code ignored;  // a file that remains does no harm
-  for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path().filename() != lock_name) fs::remove(entry.path(), ignored);
+  const auto remove = [](const fs::path& path) {
+    std::error_code error;
+    fs::remove(path, error);
+    if (error)
+      throw std::runtime_error(fmt::format("cannot remove {}: {}", path.string(), error.message()));
+  };
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (const fs::path name = entry.path().filename(); name != lock_name && name != description)
+      remove(entry.path());
+  // Last, because journals without it would be taken for damaged.
+  remove(folder / description);
 }
 
 void require_visible(const fs::path& path, MPI_Comm comm) {

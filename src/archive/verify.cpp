@@ -40,12 +40,13 @@ bool is_map(const std::string& column) { return column != "best" && column != "t
 }  // namespace
 
 std::uint64_t tiles_per_verification(const ArchiveContents& contents) {
-  constexpr std::uint64_t bytes_at_once = std::uint64_t{64} << 20, most = 4096;
-  std::uint64_t cells = 1;
+  constexpr double bytes_at_once = 1 << 26, most = 4096;
+  double cells = 1;
   for (const Tile& tile : contents.tiles)
-    cells = std::max<std::uint64_t>(cells, tile.block.cells());
-  return std::clamp<std::uint64_t>(
-      bytes_at_once / (cells * contents.checksum_columns.size() * sizeof(double)), 1, most);
+    cells = std::max(cells, static_cast<double>(tile.block.cells()));
+  const double bytes =
+      cells * static_cast<double>(contents.checksum_columns.size() * sizeof(double));
+  return static_cast<std::uint64_t>(std::clamp(bytes_at_once / bytes, 1.0, most));
 }
 
 void verify(const std::filesystem::path& path, const ArchiveContents& contents,

@@ -14,7 +14,8 @@ const char* const sweep_help =
 Integrates every design (r1, r3, r2) of the job's lattice and writes maps of
 the results to one HDF5 archive (output.file). The summary goes to stdout,
 progress and warnings about doubtful results and optima that cannot be built go
-to stderr. Until the archive is complete, its name ends in .partial.
+to stderr. Until the archive is complete, its results are in a folder whose name
+ends in .partial.
 
 A key of [scene] with several numbers (first:last:step, or a list) makes the
 sweep a study: it visits every combination of such keys, the maps have their
@@ -24,7 +25,7 @@ output.maps = none nothing else is stored.
 To continue an interrupted sweep, run the same command again, on any number of
 ranks; a killed sweep loses only its last few seconds. Tiles that do not match
 their checksums are computed again. SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and
---time-limit stop a sweep after a checkpoint, with exit code 75.
+--time-limit stop a sweep after the tiles in progress, with exit code 75.
 
 )";
 

@@ -119,7 +119,8 @@ std::string describe_sweep(const fs::path& path) {
 }
 
 /// The path itself if it exists, otherwise that of its partial sweep.
-fs::path find(const fs::path& given) {
+fs::path find(fs::path given) {
+  if (!given.has_filename()) given = given.parent_path();  // a folder, with a slash at its end
   try {
     if (fs::exists(given)) return given;
     if (const auto partial = partial_path(follow_links(given)); fs::exists(partial)) return partial;
@@ -239,7 +240,16 @@ void write_snapshot(const fs::path& given, const fs::path& output) {
   if (fs::exists(fs::symlink_status(output)))
     throw InputError(
         fmt::format("--snapshot {}: exists; name another file", shortened(output.string())));
-  read_or_explain(path, [&] { return Unfinished(path).write_snapshot(output), true; });
+  const auto sweep = read_or_explain(path, [&] { return Unfinished(path); });
+  const fs::path temporary = output.string() + ".new";
+  try {
+    sweep.write_snapshot(temporary);
+    fs::rename(temporary, output);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw;
+  }
 }
 
 void verify_archive(const fs::path& given, ProgressStyle style, std::FILE* out) {

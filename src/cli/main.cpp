@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <hdf5.h>
 #include <fmt/ranges.h>
 #include <unistd.h>
 
@@ -141,9 +142,9 @@ void occupy_standard_descriptors() {
 int main(int argc, char** argv) {
   occupy_standard_descriptors();
   std::signal(SIGPIPE, SIG_IGN);  // a message that nobody reads must not end the program
-  // With HDF5's own locks a reader of a partial archive would block the sweep that continues it,
-  // and they have hung on network file systems. FileLock excludes concurrent sweeps instead.
+  // HDF5's own locks have hung on network file systems. FileLock excludes concurrent sweeps.
   setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
+  H5dont_atexit();  // where HDF5 crashes after a failed write
   const bool parallel = is_parallel(std::span(argv, argv + argc));
   return parallel ? parallel_main(argc, argv) : serial_main(argc, argv);
 }

@@ -42,7 +42,7 @@ std::vector<std::filesystem::path> share_of_journals(const std::filesystem::path
 RankResults::RankResults(const std::filesystem::path& folder, std::size_t run, double start,
                          const Study& study, const Tiling& tiling, MPI_Comm comm)
     : tiling_(tiling),
-      journal_(journal_path(folder, run, mpi::rank(comm))),
+      journal_(journal_path(folder, run, mpi::rank(comm)), sweep_id(study.job(), tiling)),
       written_(start),
       totals_(study.scenes()) {
   const auto rank = static_cast<std::uint32_t>(mpi::rank(comm));

@@ -2,7 +2,18 @@
 
 #include <cstring>
 
+#include "trebsweep/archive/checksum.hpp"
+
 namespace trebsweep {
+
+std::uint64_t sweep_id(const Job& job, const Tiling& tiling) {
+  Job same = job;
+  same.output.file.clear();
+  same.assess = {};
+  const std::string text = to_text(same);
+  const Index3& edge = tiling.edge();
+  return checksum(std::as_bytes(std::span(text)), checksum(std::as_bytes(std::span(edge))));
+}
 
 StoredRecords read_records(std::span<const std::filesystem::path> journals, const Study& study,
                            const Tiling& tiling) {
@@ -11,9 +22,10 @@ StoredRecords read_records(std::span<const std::filesystem::path> journals, cons
   const auto is_first = [](std::vector<bool>& has, std::uint64_t number) {
     return number < has.size() && !has[number];
   };
+  const std::uint64_t id = sweep_id(study.job(), tiling);
   StoredRecords stored;
   for (const auto& path : journals)
-    for (const Record& record : intact_records(stored.journals.emplace_back(path).bytes())) {
+    for (const Record& record : intact_records(stored.journals.emplace_back(path).bytes(), id)) {
       const bool is_tile = record.kind == RecordKind::tile;
       auto& has = is_tile ? has_tile : has_scene;
       if (!is_first(has, record.number) ||

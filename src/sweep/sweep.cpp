@@ -9,6 +9,7 @@
 #include "trebsweep/archive/free_space.hpp"
 #include "trebsweep/archive/hdf5.hpp"
 #include "trebsweep/archive/output_file.hpp"
+#include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/base/version.hpp"
@@ -196,15 +197,23 @@ void write_output(const Context& context, const OutputFile& output, const fs::pa
   mpi::on_root(comm, [&] { history = read_partial_sweep(folder).history; });
   const Attributes attributes =
       root_attributes(study.job(), fmt::format("{}", fmt::join(history, "\n")), summary);
-  write_archive(file, {study, tiling, maps, settings.compression, attributes, summary.optima},
-                results.tiles(), comm);
+  const auto own = results.tiles();
+  std::uint64_t found = own.size();
+  mpi::sum({&found, 1}, comm);
+  if (found != tiling.size())
+    throw mpi::RootError(
+        fmt::format("a journal in {} is damaged; the same command computes again what it held",
+                    folder.string()));
+  write_archive(file, {study, tiling, maps, settings.compression, attributes, summary.optima}, own,
+                comm);
   summary.sweep_seconds += MPI_Wtime() - start;
   mpi::on_root(comm, [&] {
     hdf5::File archive(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open " + file.string());
     hdf5::write_attribute(archive, "sweep_seconds", summary.sweep_seconds);
     archive.close("write " + file.string());
-    finish_output(output);
   });
+  mpi::on_all(comm, [&] { sync_file(file); });  // on every host
+  mpi::on_root(comm, [&] { finish_output(output); });
 }
 
 }  // namespace

@@ -19,11 +19,11 @@ std::vector<std::byte> results_of(std::uint64_t n) {
   return bytes;
 }
 
-constexpr std::uint64_t records = 20;
+constexpr std::uint64_t records = 20, sweep = 7;
 
 /// A journal with records 0 to 19.
 std::vector<std::byte> some_journal(const fs::path& path) {
-  Journal journal(path);
+  Journal journal(path, sweep);
   for (std::uint64_t n = 0; n < records; ++n) {
     journal.append(n % 3 == 2 ? RecordKind::scene : RecordKind::tile, n, results_of(n));
     if (n == 5) journal.write();
@@ -59,7 +59,7 @@ std::vector<std::uint64_t> all_but(std::uint64_t missing) {
 TEST_CASE("The records of a journal are those that were appended, written or not") {
   const TemporaryDirectory directory;
   const fs::path file = directory / "a.journal";
-  Journal journal(file);
+  Journal journal(file, sweep);
   CHECK(journal.records().empty());
   journal.append(RecordKind::tile, 0, results_of(0));
   CHECK_FALSE(fs::exists(file));
@@ -68,7 +68,8 @@ TEST_CASE("The records of a journal are those that were appended, written or not
   journal.write();
   journal.append(RecordKind::scene, 2, results_of(2));
   CHECK(numbers_of(journal.records()) == std::vector<std::uint64_t>{0, 4, 2});
-  CHECK(numbers_of(intact_records(MappedFile(file).bytes())) == std::vector<std::uint64_t>{0, 4});
+  CHECK(numbers_of(intact_records(MappedFile(file).bytes(), sweep)) ==
+        std::vector<std::uint64_t>{0, 4});
 }
 
 TEST_CASE("A journal that ends within its last record has all others") {
@@ -77,9 +78,9 @@ TEST_CASE("A journal that ends within its last record has all others") {
   const auto journal = some_journal(file);
   const std::size_t last = 40 + records - 1;
   for (std::size_t cut = 1; cut <= last; ++cut)
-    CHECK(numbers_of(intact_records(std::span(journal).first(journal.size() - cut))) ==
+    CHECK(numbers_of(intact_records(std::span(journal).first(journal.size() - cut), sweep)) ==
           all_but(records - 1));
-  CHECK(intact_records({}).empty());
+  CHECK(intact_records({}, sweep).empty());
 }
 
 TEST_CASE("A record in which any bit is flipped is missing, and no other") {
@@ -93,23 +94,30 @@ TEST_CASE("A record in which any bit is flipped is missing, and no other") {
     for (std::size_t bit = 8 * begin; bit < 8 * end; ++bit) {
       const std::byte flip{static_cast<unsigned char>(1 << bit % 8)};
       journal[bit / 8] ^= flip;
-      const auto found = numbers_of(intact_records(journal));
+      const auto found = numbers_of(intact_records(journal, sweep));
       if (found != all_but(n)) FAIL("bit " << bit);
       journal[bit / 8] ^= flip;
     }
   }
-  CHECK(numbers_of(intact_records(journal)) == all_but(records));
+  CHECK(numbers_of(intact_records(journal, sweep)) == all_but(records));
+}
+
+TEST_CASE("A journal has no records of another sweep") {
+  const TemporaryDirectory directory;
+  const auto journal = some_journal(directory / "a.journal");
+  CHECK(intact_records(journal, sweep).size() == records);
+  CHECK(intact_records(journal, sweep + 1).empty());
 }
 
 TEST_CASE("A journal never replaces a file") {
   const TemporaryDirectory directory;
   const fs::path file = directory / "existing.journal";
   write_file(file, "precious");
-  Journal journal(file);
+  Journal journal(file, sweep);
   journal.append(RecordKind::tile, 1, results_of(1));
   CHECK_THROWS_WITH(journal.write(), contains("cannot create") && contains("existing.journal"));
   CHECK(read_file(file) == "precious");
-  Journal nowhere("/nowhere/a.journal");
+  Journal nowhere("/nowhere/a.journal", sweep);
   nowhere.append(RecordKind::tile, 1, results_of(1));
   CHECK_THROWS_WITH(nowhere.write(), contains("No such file"));
 }
@@ -119,5 +127,5 @@ TEST_CASE("A file that is missing cannot be read, and an empty one has no record
   const fs::path file = directory / "missing.journal";
   CHECK_THROWS_WITH(MappedFile(file), contains("cannot read") && contains("missing.journal"));
   write_file(file, "");
-  CHECK(intact_records(MappedFile(file).bytes()).empty());
+  CHECK(intact_records(MappedFile(file).bytes(), sweep).empty());
 }

@@ -72,7 +72,14 @@ TEST_CASE("Only the lock remains in a folder that is cleared") {
   clear_partial(folder.path());
   CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
   CHECK(read_file(folder / lock_name) == "a process");
-  clear_partial(folder / "nothing");
+}
+
+TEST_CASE("A folder that cannot be cleared keeps its description") {
+  const TemporaryDirectory folder;
+  write_partial_sweep(folder.path(), some_sweep);
+  fs::create_directories(folder / "0000-00003.journal" / "not empty");
+  CHECK_THROWS_WITH(clear_partial(folder.path()), contains("cannot remove"));
+  CHECK(read_partial_sweep(folder.path()).job == some_sweep.job);
 }
 
 TEST_CASE("Jobs are the same if their results are, whatever their file and assessment") {

@@ -445,8 +445,12 @@ class Partials(ResumeTest):
         self.stop_partway()
         shutil.copytree(self.path("job.h5.partial"), self.path("job.h5.kept"))
         self.run_sweep(2)
-        os.rename(self.path("job.h5.kept"), self.path("job.h5.partial"))
-        self.assertIn("holds the complete archive of this job", self.run_sweep(1))
+        for journals in (True, False):  # which are removed before sweep.json
+            shutil.copytree(self.path("job.h5.kept"), self.path("job.h5.partial"),
+                            ignore=None if journals else shutil.ignore_patterns("*.journal"))
+            self.assertIn("holds the complete archive of this job", self.run_sweep(1))
+            self.assertFalse(os.path.exists(self.path("job.h5.partial")))
+        shutil.rmtree(self.path("job.h5.kept"))
         self.assert_complete()
 
     def test_cells_that_are_not_done_are_nan_in_float32(self):
@@ -542,6 +546,24 @@ class Faults(ResumeTest):
             self.assert_failed(errors, "job.h5.partial", "the same command will continue", options=COMPRESSED)
         self.run_sweep(3, *COMPRESSED)
         self.assert_complete(COMPRESSED)
+
+    def test_a_journal_that_is_damaged_during_the_sweep_is_computed_again(self):
+        job = self.write("long.cfg", "[solver]\nstepper = rk4\ntime-step = 1e-4\n[lattice]\nincrement = 0.03\n")
+        launcher = self.launch(1, job=job)
+        name = "job.h5.partial/0000-00000.journal"
+        self.wait_for(name, launcher)
+        while os.path.getsize(self.path(name)) < 1000:
+            time.sleep(0.01)
+        with open(self.path(name), "r+b") as journal:
+            journal.seek(500)
+            journal.write(b"damage")
+        self.assert_reported_once(self.finish(launcher, codes=(1,)), "a journal in job.h5.partial is damaged",
+                                  "the same command computes again")
+        for output in ("job.h5", "again.h5"):
+            self.finish(self.launch(2, job=job, output=output))
+        self.assertEqual(differences(self.path("job.h5"), self.path("again.h5")), [])
+        os.remove(self.path("again.h5"))
+        os.remove(job)
 
     def test_a_file_size_limit_of_the_journals_is_reported(self):
         errors = self.run_sweep(0, *COMPRESSED, "--time-limit", "1e-9", codes=(1,), launcher=self.limited(2, 50))

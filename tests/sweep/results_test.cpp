@@ -88,7 +88,10 @@ TEST_CASE("Of each tile and scene the first fitting record of the journals is re
   longer.push_back({});
   const BestDesign optimum = optimum_of(0);
   {
-    Journal first(paths[0]), second(paths[1]);
+    const std::uint64_t id = sweep_id(small.study.job(), small.tiling);
+    Journal first(paths[0], id), second(paths[1], id), other(paths[1].string() + "x", id + 1);
+    other.append(RecordKind::tile, 0, bytes);
+    other.write();
     first.append(RecordKind::tile, 4, longer);
     first.append(RecordKind::tile, 3, bytes);
     first.append(RecordKind::tile, small.tiling.size(), bytes);
@@ -101,6 +104,8 @@ TEST_CASE("Of each tile and scene the first fitting record of the journals is re
     second.append(RecordKind::scene, small.study.scenes(), to_bytes(optimum));
     second.write();
   }
+  const std::filesystem::path of_another = paths[1].string() + "x";
+  CHECK(read_records(std::vector{of_another}, small.study, small.tiling).records.empty());
   const StoredRecords stored = read_records(paths, small.study, small.tiling);
   REQUIRE(stored.records.size() == 3);
   const auto has = [&](std::size_t n, RecordKind kind, std::uint64_t number,

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +14,8 @@
 
 namespace trebsweep {
 
-// These functions read files of any origin. HDF5 crashes on some damaged files and hangs on others.
+// These functions read files of any origin. HDF5 crashes on some damaged files and hangs on others:
+// where that matters, call them in a child process first.
 
 /// Opens a file for reading. Throws std::runtime_error.
 hdf5::File open_archive(const std::filesystem::path& path);

@@ -15,22 +15,25 @@
 // folder FILE.partial:
 //
 //   lock                   locked by rank 0 of the run that is active, and names it
-//   sweep.json             the job, the version of the numerics, the tiles, and the history
+//   sweep.json             the job, the version of the numerics, the tiles, and the history;
+//                          sweep.json.new while it is written
 //   RUN-RANK.journal       the results of one rank in one run
 //   archive.h5             the archive while it is written
 //
-//   start        rank 0 creates and locks the folder and writes sweep.json, under another name, which
+//   start        rank 0 creates and locks the folder and writes sweep.json, under another name,
+//   which
 //                it then renames; a run that resumes adds its line to the history
 //   sweep        a rank claims tiles, computes them, and appends a record of each to its journal,
 //                in memory; every second, or when 64 MiB have gathered, it writes the records
 //                to the file. No rank waits for another, and nothing in a file changes later.
 //   stop         at a signal or the time limit, a rank finishes its current tile, writes its
 //                journal, and calls fsync
-//   end          the ranks write archive.h5 from the records; rank 0 calls fsync, renames it to
-//                FILE, and removes the folder, its lock last
+//   end          the ranks write archive.h5 from the records and call fsync; rank 0 renames it to
+//                FILE, and removes the folder, sweep.json and the lock last
 //
 // A record is a header, which has the number of a tile or a scene, and the results as the archive
-// stores them. The header has a checksum of itself and of the results. A record that does not match
+// stores them. The header has a checksum of the sweep, of itself and of the results, so that a
+// journal of another sweep is never taken for one of this. A record that does not match
 // its checksum is ignored, and what it held is computed again: the last one of a run that was
 // killed while it wrote, or one that the disk has damaged. The search for the next record continues
 // at the next mark, with which every header begins.
@@ -66,8 +69,8 @@ struct Record {
 /// The size of what precedes the results in a record.
 inline constexpr std::size_t record_header_bytes = 40;
 
-/// The intact records of a journal, in their order. They refer to its bytes.
-std::vector<Record> intact_records(std::span<const std::byte> journal);
+/// The intact records of a sweep in a journal, in their order. They refer to its bytes.
+std::vector<Record> intact_records(std::span<const std::byte> journal, std::uint64_t sweep);
 
 /// A file in memory, read-only.
 class MappedFile {
@@ -85,8 +88,9 @@ class MappedFile {
 /// written.
 class Journal {
  public:
-  /// The file is created when it is first written.
-  explicit Journal(std::filesystem::path path) : path_(std::move(path)) {}
+  /// The file is created when it is first written. `sweep` identifies the sweep.
+  Journal(std::filesystem::path path, std::uint64_t sweep)
+      : path_(std::move(path)), sweep_(sweep) {}
 
   /// Adds a record in memory.
   void append(RecordKind kind, std::uint64_t number, std::vector<std::byte> results);
@@ -111,6 +115,7 @@ class Journal {
   };
 
   std::filesystem::path path_;
+  std::uint64_t sweep_;
   std::ofstream file_;
   std::vector<Unwritten> unwritten_;
   std::size_t unwritten_bytes_ = 0;

@@ -51,7 +51,7 @@ std::filesystem::path unfinished_archive(const std::filesystem::path& folder);
 /// Whether a folder holds only what this program creates in it.
 bool is_partial_folder(const std::filesystem::path& folder);
 
-/// Removes everything from a folder except its lock.
+/// Removes everything from a folder except its lock. Throws std::runtime_error.
 void clear_partial(const std::filesystem::path& folder);
 
 /// Throws mpi::RootError if a rank cannot see a file, as when ranks run in different directories or

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "trebsweep/archive/tally.hpp"
@@ -20,7 +19,7 @@ struct ComputedTile {
 std::vector<ComputedTile> compute(const std::vector<Tile>& tiles, const Study& study,
                                   const std::function<bool()>& stop);
 
-/// The mean time to integrate a design on one core (s), measured for about 50 ms on a sample of the
+/// The mean processor time to integrate a design (s), measured for about 50 ms on a sample of the
 /// study.
 double seconds_per_design(const Study& study, const std::function<bool()>& stop);
 

@@ -43,10 +43,11 @@ struct ErrorSample {
 /// of each status; and, twice, 16 designs near the one with the largest error so far: those whose
 /// speeds change most with a tenth of the tolerance or half the step. The accurate speeds are those
 /// of integrate_accurately(), and of speed_in_extended_precision() at the best design. Designs that
-/// could not be integrated accurately are left out. So are those not begun within a second, or 1 %
-/// of the time of the sweep, except for the best design, its neighbours and the first design of
-/// each status; otherwise the result depends on the job alone. Collective; `totals` and the result
-/// are the same on all ranks. Returns nothing once `stop` is true on any rank.
+/// could not be integrated accurately are left out. So are those of a scene not begun within a
+/// second, or within 1 % of the time of the sweep divided by the number of scenes, except for the
+/// best design, its neighbours and the first design of each status; otherwise the result depends on
+/// the job alone. Collective; `totals` and the result are the same on all ranks. Returns nothing
+/// once `stop` is true on any rank.
 std::optional<std::vector<ErrorSample>> check_scenes(const Study& study, const Totals& totals,
                                                      const std::function<bool()>& stop,
                                                      MPI_Comm comm);

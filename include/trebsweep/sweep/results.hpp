@@ -12,6 +12,9 @@
 
 namespace trebsweep {
 
+/// Identifies a sweep to its journals: the job, except for its output file, and the tiles.
+std::uint64_t sweep_id(const Job& job, const Tiling& tiling);
+
 /// Records of journals, and the files to whose bytes they refer.
 struct StoredRecords {
   std::vector<MappedFile> journals;

@@ -31,11 +31,12 @@ struct SweepResult {
 };
 
 /// Integrates every design of the lattice in every scene, measures the error of the speeds, and
-/// writes the archive; continues an interrupted sweep of the same job. Collective; the result is
-/// the same on all ranks. Returns nothing if the complete archive of this job already exists. If
-/// `stop` is true on any rank, all ranks stop after the tiles that they have begun, which their
-/// journals keep. Throws, on all ranks, InputError if the path of the archive is invalid, and
-/// mpi::RootError if an archive cannot be created or an unfinished sweep cannot be continued.
+/// writes the archive; continues an interrupted sweep of the same job. Collective; the result of a
+/// complete sweep is the same on all ranks. Returns nothing if the complete archive of this job
+/// already exists. If `stop` is true on any rank, all ranks stop after the tiles that they have
+/// begun, which their journals keep. Throws, on all ranks, InputError if the path of the archive is
+/// invalid, and mpi::RootError if an archive cannot be created or an unfinished sweep cannot be
+/// continued.
 std::optional<SweepResult> sweep(const Study& study, const SweepOptions& options, MPI_Comm comm);
 
 }  // namespace trebsweep
