@@ -219,12 +219,12 @@ std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
   const std::size_t spread = sample_size(lattice, job);
   std::vector<Index3> sampled = sample_indices(lattice, spread);
   const auto notable = notable_indices(study, scene, totals);
-  const auto others = std::ranges::partition(sampled, [&](const Index3& index) {
+  const auto others = std::partition(sampled.begin(), sampled.end(), [&](const Index3& index) {
     return std::ranges::find(notable, index) != notable.end();
   });
   // Notable designs are few: measured however long they take.
-  add({sampled.begin(), others.begin()}, true, patient);
-  add({others.begin(), others.end()}, false, hurried);
+  add({sampled.begin(), others}, true, patient);
+  add({others, sampled.end()}, false, hurried);
   sample.spread = sample.checks.size();
   add(notable, true, patient);
   for (const double fraction : {1.0 / 8, 1.0 / 16}) {
