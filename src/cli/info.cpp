@@ -245,10 +245,10 @@ void write_snapshot(const fs::path& given, const fs::path& output) {
   try {
     sweep.write_snapshot(temporary);
     fs::rename(temporary, output);
-  } catch (...) {
+  } catch (const std::runtime_error& error) {
     std::error_code ignored;
     fs::remove(temporary, ignored);
-    throw;
+    throw std::runtime_error(fmt::format("--snapshot {}: {}", output.string(), error.what()));
   }
 }
 

@@ -441,6 +441,16 @@ class Partials(ResumeTest):
         self.run_sweep(2, "--overwrite")
         self.assert_complete()
 
+    def test_a_snapshot_that_cannot_be_written_leaves_no_file(self):
+        self.stop_partway()
+        before = self.leftovers()
+        snapshot = (PROGRAM, "info", "job.h5.partial/", "--snapshot", "snapshot.h5")
+        limited = ("bash", "-c", 'trap "" XFSZ; ulimit -f 100; exec "$@"', "limited")
+        self.assertRegex(self.run_command(*limited, *snapshot, code=1).stderr, "^trebsweep: --snapshot snapshot.h5: .*File too large\n$")
+        self.assertEqual(self.leftovers(), before)
+        self.run_command(*snapshot)
+        os.remove(self.path("snapshot.h5"))
+
     def test_what_is_left_of_a_sweep_killed_after_the_renaming_is_removed(self):
         self.stop_partway()
         shutil.copytree(self.path("job.h5.partial"), self.path("job.h5.kept"))
