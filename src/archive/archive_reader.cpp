@@ -42,7 +42,7 @@ ArchiveHeader read_header(hid_t file) {
   return header;
 }
 
-/// A table with a row for each tile, of which a column or row names the rest.
+/// A table with a row for each tile.
 struct Table {
   std::vector<std::string> columns;
   std::vector<std::uint64_t> values;
@@ -52,7 +52,7 @@ struct Table {
   }
 };
 
-/// Throws unless the table has `rows`, or any number if it is 0.
+/// Throws unless the table has the given number of rows; 0 stands for any number.
 Table read_table(hid_t file, const std::string& name, std::uint64_t rows) {
   Table table;
   const std::string columns = read_text(hdf5::open_dataset(file, name), "columns");
@@ -175,8 +175,7 @@ ArchiveContents read_contents(const std::filesystem::path& path) {
   contents.summary.complete = contents.tiles_done == contents.tiles.size();
   contents.checksum_columns = read_table(file, "tile_checksum", contents.tiles.size()).columns;
   for (const std::string& column : contents.checksum_columns)
-    if (column != "best" && column != "tile_designs" &&
-        hdf5::extents(hdf5::open_dataset(file, column)) != contents.extents)
+    if (is_map(column) && hdf5::extents(hdf5::open_dataset(file, column)) != contents.extents)
       fail(fmt::format("the extent of map {} is not that of the axes", column));
   return contents;
 }

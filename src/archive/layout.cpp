@@ -82,6 +82,8 @@ std::vector<std::string> checksum_columns(std::span<const MapInfo> maps, bool is
   return columns;
 }
 
+bool is_map(std::string_view column) { return column != "best" && column != "tile_designs"; }
+
 std::vector<hsize_t> map_extents(const Study& study) {
   std::vector<hsize_t> extents;
   for (const OuterAxis& axis : study.job().outer_axes) extents.push_back(axis.values.size());

@@ -35,8 +35,6 @@ hdf5::Dataset open_uncached(hid_t file, const std::string& name) {
   return {H5Dopen2(file, name.c_str(), access), "open " + name};
 }
 
-bool is_map(const std::string& column) { return column != "best" && column != "tile_designs"; }
-
 }  // namespace
 
 std::uint64_t tiles_per_verification(const ArchiveContents& contents) {

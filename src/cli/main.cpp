@@ -1,7 +1,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <hdf5.h>
 #include <fmt/ranges.h>
+#include <hdf5.h>
 #include <unistd.h>
 
 #include <algorithm>

@@ -13,8 +13,9 @@
 
 namespace trebsweep {
 
-/// The best of some designs of a scene: of those that have a release and satisfy the job's
-/// constraints, the one with the largest objective. NaN where there is none, or a value is unknown.
+/// The best of some designs of a scene: the one with the largest objective among those that are
+/// released and satisfy the job's constraints. If there is none, all members are NaN; so is a
+/// member that is not known.
 struct BestDesign {
   static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -28,7 +29,7 @@ struct BestDesign {
   bool exists() const { return !std::isnan(value); }
 };
 
-/// Whether a design is better than another. Of equal ones of a scene, the first in its lattice is.
+/// Whether `a` is better than `b`. If both are equally good, the first in the lattice is better.
 bool is_better(const BestDesign& a, const BestDesign& b);
 
 /// The number of the scene with the best design, the first of equal ones; nothing if none has one.

@@ -20,9 +20,8 @@
 //   RUN-RANK.journal       the results of one rank in one run
 //   archive.h5             the archive while it is written
 //
-//   start        rank 0 creates and locks the folder and writes sweep.json, under another name,
-//   which
-//                it then renames; a run that resumes adds its line to the history
+//   start        rank 0 creates and locks the folder and writes sweep.json under another name,
+//                then renames it; a run that resumes adds its line to the history
 //   sweep        a rank claims tiles, computes them, and appends a record of each to its journal,
 //                in memory; every second, or when 64 MiB have gathered, it writes the records
 //                to the file. No rank waits for another, and nothing in a file changes later.
@@ -32,11 +31,11 @@
 //                FILE, and removes the folder, sweep.json and the lock last
 //
 // A record is a header, which has the number of a tile or a scene, and the results as the archive
-// stores them. The header has a checksum of the sweep, of itself and of the results, so that a
-// journal of another sweep is never taken for one of this. A record that does not match
-// its checksum is ignored, and what it held is computed again: the last one of a run that was
-// killed while it wrote, or one that the disk has damaged. The search for the next record continues
-// at the next mark, with which every header begins.
+// stores them. The header has a checksum of the sweep's job and tiles, of itself, and of the
+// results, so that records of another sweep are never used. A record that does not match its
+// checksum is ignored, and what it held is computed again: the last one of a run that was killed
+// while it wrote, or one that the disk has damaged. The search for the next record continues at the
+// next mark, with which every header begins.
 //
 // What is lost
 //

@@ -73,6 +73,9 @@ inline constexpr std::array<std::string_view, 7> block_columns{
 /// the scene's last tile and is 0 in its others; tile_designs.
 std::vector<std::string> checksum_columns(std::span<const MapInfo> maps, bool is_study);
 
+/// Whether a column of tile_checksum is that of a map.
+bool is_map(std::string_view column);
+
 /// Extents along the outer axes, r1, r3 and r2.
 std::vector<hsize_t> map_extents(const Study& study);
 
