@@ -114,10 +114,10 @@ Summary read_attributes(hid_t file) {
   std::ranges::transform(best_names, best.begin(), read);
   Summary summary;
   summary.optima = {to_best_design(best)};
-  summary.steps = count("steps");
-  summary.utilisation = read("lane_utilisation");
-  summary.integration_seconds = read("integration_seconds");
-  summary.sweep_seconds = read("sweep_seconds");
+  summary.tally.steps = count("steps");
+  summary.tally.lane_steps = count("lane_steps");
+  summary.tally.integration_seconds = read("integration_seconds");
+  summary.tally.sweep_seconds = read("sweep_seconds");
   if (const std::uint64_t designs = count("error_designs"); designs > 0)
     summary.error = MeasuredError{.median = read("error_median"),
                                   .largest = read("error_largest"),
@@ -129,7 +129,7 @@ Summary read_attributes(hid_t file) {
 /// Adds the designs of the tiles to the summary.
 void read_designs(hid_t file, ArchiveContents& contents) {
   const Table designs = read_table(file, "tile_designs", contents.tiles.size());
-  StatusCounts& statuses = contents.summary.statuses;
+  StatusCounts& statuses = contents.summary.tally.statuses;
   if (designs.columns.size() != statuses.size()) fail("tile_designs has other columns");
   for (std::uint64_t t = 0; t < contents.tiles.size(); ++t) {
     const auto row = designs.row(t);
@@ -173,10 +173,14 @@ ArchiveContents read_contents(const std::filesystem::path& path) {
   contents.tiles = read_tiles(file, scenes, box);
   read_designs(file, contents);
   contents.summary.complete = contents.tiles_done == contents.tiles.size();
-  contents.checksum_columns = read_table(file, "tile_checksum", contents.tiles.size()).columns;
-  for (const std::string& column : contents.checksum_columns)
-    if (is_map(column) && hdf5::extents(hdf5::open_dataset(file, column)) != contents.extents)
-      fail(fmt::format("the extent of map {} is not that of the axes", column));
+  if (has(file, "tile_checksum"))
+    contents.maps = read_table(file, "tile_checksum", contents.tiles.size()).columns;
+  for (const std::string& map : contents.maps)
+    if (hdf5::extents(hdf5::open_dataset(file, map)) != contents.extents)
+      fail(fmt::format("the extent of map {} is not that of the axes", map));
+  // So that damage to any of them is found.
+  for (const std::string& name : hdf5::link_names(file))
+    if (std::ranges::count(contents.maps, name) == 0) hdf5::read_numbers(file, name);
   return contents;
 }
 

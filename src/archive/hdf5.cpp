@@ -16,12 +16,17 @@ herr_t store_cause(unsigned n, const H5E_error2_t* error, void* reason) {
 void write(hid_t object, const std::string& name, hid_t type, const void* value) {
   const std::string what = "write attribute " + name;
   const Dataspace space(H5Screate(H5S_SCALAR), what);
-  const bool exists = check(H5Aexists(object, name.c_str()), what) > 0;
-  const Attribute attribute(
-      exists ? H5Aopen(object, name.c_str(), H5P_DEFAULT)
-             : H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
-      what);
+  const Attribute attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
+                            what);
   check(H5Awrite(attribute, type, value), what);
+}
+
+/// Opens an attribute that must have one value.
+Attribute open_single(hid_t object, const std::string& name, const std::string& what) {
+  Attribute attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), what);
+  const Dataspace space(H5Aget_space(attribute), what);
+  if (H5Sget_simple_extent_npoints(space) != 1) fail(what + ": not a single value");
+  return attribute;
 }
 
 }  // namespace
@@ -61,6 +66,26 @@ Dataset create_dataset(hid_t file, const std::string& name, hid_t type,
   return {H5Dcreate2(file, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT), what};
 }
 
+Properties with_checksum(std::span<const hsize_t> extents) {
+  const std::string what = "set up a dataset with a checksum";
+  Properties properties(H5Pcreate(H5P_DATASET_CREATE), what);
+  if (extents.empty()) return properties;
+  check(H5Pset_chunk(properties, static_cast<int>(extents.size()), extents.data()), what);
+  check(H5Pset_fletcher32(properties), what);
+  return properties;
+}
+
+Selection select(hid_t dataset, std::span<const hsize_t> first, std::span<const hsize_t> count) {
+  const std::string what = "select a block";
+  Selection selected{
+      {H5Dget_space(dataset), what},
+      {H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), what}};
+  check(H5Sselect_hyperslab(selected.file, H5S_SELECT_SET, first.data(), nullptr, count.data(),
+                            nullptr),
+        what);
+  return selected;
+}
+
 Datatype text_type() {
   Datatype type(H5Tcopy(H5T_C_S1), "make a text type");
   check(H5Tset_size(type, H5T_VARIABLE), "make a text type");
@@ -82,11 +107,10 @@ void write_attribute(hid_t object, const std::string& name, unsigned long long v
 }
 
 void write_attribute(hid_t object, const std::string& name, hid_t type,
-                     std::span<const double> values, bool is_scalar) {
+                     std::span<const double> values) {
   const std::string what = "write attribute " + name;
   const hsize_t count = values.size();
-  const Dataspace space(is_scalar ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr),
-                        what);
+  const Dataspace space(H5Screate_simple(1, &count, nullptr), what);
   const Attribute attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
                             what);
   check(H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()), what);
@@ -94,9 +118,7 @@ void write_attribute(hid_t object, const std::string& name, hid_t type,
 
 std::string read_text_attribute(hid_t object, const std::string& name) {
   const std::string what = "read attribute " + name;
-  const Attribute attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), what);
-  const Dataspace space(H5Aget_space(attribute), what);
-  if (H5Sget_simple_extent_npoints(space) != 1) fail(what + " as a single text");
+  const Attribute attribute = open_single(object, name, what);
   char* text = nullptr;
   check(H5Aread(attribute, text_type(), &text), what);
   const std::string value(text ? text : "");
@@ -106,11 +128,8 @@ std::string read_text_attribute(hid_t object, const std::string& name) {
 
 double read_number_attribute(hid_t object, const std::string& name) {
   const std::string what = "read attribute " + name;
-  const Attribute attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), what);
-  const Dataspace space(H5Aget_space(attribute), what);
-  if (H5Sget_simple_extent_npoints(space) != 1) fail(what + " as a single number");
   double value = 0;
-  check(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value), what);
+  check(H5Aread(open_single(object, name, what), H5T_NATIVE_DOUBLE, &value), what);
   return value;
 }
 

@@ -4,11 +4,14 @@
 #include <fmt/ranges.h>
 #include <hdf5_hl.h>
 
+#include <algorithm>
 #include <array>
 #include <numeric>
 
 #include "trebsweep/archive/hdf5.hpp"
+#include "trebsweep/base/version.hpp"
 #include "trebsweep/job/key.hpp"
+#include "trebsweep/swing/kernel.hpp"
 
 namespace trebsweep {
 namespace {
@@ -37,9 +40,9 @@ void attach(hid_t dataset, const Axes& axes) {
     check(H5DSattach_scale(dataset, axes[d]->scale, static_cast<unsigned>(d)), "attach an axis");
 }
 
-void describe(hid_t dataset, const std::string& long_name, const std::string& units = "") {
-  hdf5::write_attribute(dataset, "long_name", long_name);
-  if (!units.empty()) hdf5::write_attribute(dataset, "units", units);
+void describe(hid_t dataset, std::string_view long_name, std::string_view units = "") {
+  hdf5::write_attribute(dataset, "long_name", std::string(long_name));
+  if (!units.empty()) hdf5::write_attribute(dataset, "units", std::string(units));
 }
 
 /// A dataset over some axes.
@@ -85,39 +88,46 @@ std::vector<Axis> create_axes(hid_t file, const Study& study) {
   return axes;
 }
 
-void create_map(hid_t file, const Axes& axes, const MapInfo& info, const Skeleton& skeleton) {
-  const std::string what = "create map " + info.dataset;
+/// The names of a flag field's values 0, 1, ...; empty for other fields.
+std::span<const std::string_view> flag_meanings(Field field) {
+  if (field == Field::status) return status_names;
+  if (field == Field::slack) return slack_names;
+  return {};
+}
+
+void create_map(hid_t file, const Axes& axes, Field field, const Skeleton& skeleton) {
+  const Output& output = skeleton.job().output;
+  const std::string name = dataset_name(field), what = "create map " + name;
+  const hid_t type = file_type(field, output.storage);
+  const double fill = fill_value(field);
   std::vector<hsize_t> chunk(axes.size() - 3, 1);
   chunk.insert(chunk.end(), skeleton.tiling.edge().begin(), skeleton.tiling.edge().end());
   const hdf5::Properties properties(H5Pcreate(H5P_DATASET_CREATE), what);
   check(H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data()), what);
-  check(H5Pset_fill_value(properties, H5T_NATIVE_DOUBLE, &info.fill), what);
+  check(H5Pset_fill_value(properties, H5T_NATIVE_DOUBLE, &fill), what);
   check(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_INCR), what);
-  if (skeleton.compression > 0) {
+  if (output.compression > 0) {
     check(H5Pset_shuffle(properties), what);
-    check(H5Pset_deflate(properties, static_cast<unsigned>(skeleton.compression)), what);
+    check(H5Pset_deflate(properties, static_cast<unsigned>(output.compression)), what);
   }
-  const hdf5::Dataset dataset =
-      hdf5::create_dataset(file, info.dataset, file_type(info.type), extents_of(axes), properties);
-  attach(dataset, axes);
-  describe(dataset, info.long_name, info.units);
-  if (!info.ancillary.empty())
-    hdf5::write_attribute(dataset, "ancillary_variables", info.ancillary);
+  const hdf5::Dataset map = hdf5::create_dataset(file, name, type, extents_of(axes), properties);
+  attach(map, axes);
+  describe(map, info(field).meaning, info(field).units);
+  if (field != Field::status && std::ranges::count(output.fields, Field::status) > 0)
+    hdf5::write_attribute(map, "ancillary_variables", "status");
   // Flags have no _FillValue, which would make xarray convert them to floats: the flag 0 marks the
   // cells outside the lattice.
-  if (info.flag_meanings.empty())
-    return hdf5::write_attribute(dataset, "_FillValue", file_type(info.type), {&info.fill, 1},
-                                 true);
-  std::vector<double> flags(info.flag_meanings.size());
+  if (!is_flag(field)) return hdf5::write_attribute(map, "_FillValue", type, {&fill, 1});
+  const auto meanings = flag_meanings(field);
+  std::vector<double> flags(meanings.size());
   std::iota(flags.begin(), flags.end(), 0);
-  hdf5::write_attribute(dataset, "flag_values", H5T_STD_U8LE, flags);
-  hdf5::write_attribute(dataset, "flag_meanings",
-                        fmt::format("{}", fmt::join(info.flag_meanings, " ")));
+  hdf5::write_attribute(map, "flag_values", type, flags);
+  hdf5::write_attribute(map, "flag_meanings", fmt::format("{}", fmt::join(meanings, " ")));
 }
 
 /// Creates the datasets of the optima of a study's scenes.
 void create_optima(hid_t file, const Axes& outer, const Skeleton& skeleton) {
-  const FieldInfo& objective = info(skeleton.study.job().optimum.objective);
+  const FieldInfo& objective = info(skeleton.job().optimum.objective);
   const FieldInfo &speed = info(Field::speed), &time = info(Field::release_time);
   struct Description {
     std::string_view units, text;
@@ -137,7 +147,7 @@ void create_optima(hid_t file, const Axes& outer, const Skeleton& skeleton) {
     const hdf5::Dataset dataset = create(file, std::string(best_names[d]), outer, values,
                                          fmt::format("{}, at the optimum of the scene", text));
     hdf5::write_attribute(dataset, "units", std::string(units));
-    hdf5::write_attribute(dataset, "_FillValue", H5T_IEEE_F64LE, {&BestDesign::nan, 1}, true);
+    hdf5::write_attribute(dataset, "_FillValue", H5T_IEEE_F64LE, {&BestDesign::nan, 1});
   }
 }
 
@@ -185,9 +195,11 @@ void create_tables(hid_t file, const Skeleton& skeleton, const TileTable& table)
                "scene, first cell and extent of the tile");
   create_table(file, "tile_designs", tile, status_names, table.designs,
                "designs of the tile with each status");
-  create_table(file, "tile_checksum", tile,
-               checksum_columns(skeleton.maps, is_study(skeleton.study.job())), table.checksums,
-               "XXH3 checksums of the tile");
+  std::vector<std::string> maps;
+  for (const Field field : skeleton.maps()) maps.push_back(dataset_name(field));
+  if (maps.empty()) return;
+  create_table(file, "tile_checksum", tile, maps, table.checksums,
+               "XXH3 checksum of the tile in each map");
 }
 
 /// Writes one cell in each of some chunks of a map.
@@ -209,8 +221,8 @@ void write_cells(hid_t map, double fill, const Skeleton& skeleton, const TileRan
 }
 
 void write_cells(hid_t file, const Skeleton& skeleton, const TileRange& tiles) {
-  for (const MapInfo& info : skeleton.maps)
-    write_cells(hdf5::open_dataset(file, info.dataset), info.fill, skeleton, tiles);
+  for (const Field field : skeleton.maps())
+    write_cells(hdf5::open_dataset(file, dataset_name(field)), fill_value(field), skeleton, tiles);
 }
 
 }  // namespace
@@ -224,32 +236,69 @@ void create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton
     const std::vector<Axis> created = create_axes(file, skeleton.study);
     Axes axes;
     for (const Axis& axis : created) axes.push_back(&axis);
-    for (const MapInfo& info : skeleton.maps) create_map(file, axes, info, skeleton);
-    if (is_study(skeleton.study.job()))
-      create_optima(file, {axes.begin(), axes.end() - 3}, skeleton);
+    for (const Field field : skeleton.maps()) create_map(file, axes, field, skeleton);
+    if (is_study(skeleton.job())) create_optima(file, {axes.begin(), axes.end() - 3}, skeleton);
     create_lattices(file, axes, skeleton.study);
     create_tables(file, skeleton, table);
   }
-  write_attributes(file, skeleton.attributes);
   file.close(what);
 }
 
 void allocate_chunks(const std::filesystem::path& path, const Skeleton& skeleton) {
+  const bool compressed = skeleton.job().output.compression > 0;
   {
     // Without MPI: through it, HDF5 1.10 to 1.14 allocate every chunk of a map that has none, also
     // those without designs; and 1.10.8 hangs when several ranks write compressed chunks that are
     // not allocated, because it takes them for one.
     const std::string what = "open " + path.string();
     hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), what);
-    write_cells(file, skeleton, {0, skeleton.compression > 0 ? skeleton.tiling.size() : 1});
+    write_cells(file, skeleton, {0, compressed ? skeleton.tiling.size() : 1});
     file.close(what);
   }
-  if (skeleton.compression > 0) return;
+  if (compressed) return;
   // The others through MPI, where HDF5 does not fill a chunk before it is written: otherwise one
   // rank would write the whole archive while the others wait.
   hdf5::File file = hdf5::open_parallel(path, MPI_COMM_SELF);
   write_cells(file, skeleton, {1, skeleton.tiling.size()});
   file.close("close " + path.string());
+}
+
+void write_attributes(const std::filesystem::path& path, const Job& job,
+                      const std::vector<std::string>& history, const Summary& summary) {
+  const std::string what = "write " + path.string();
+  hdf5::File file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), what);
+  const auto write = [&](std::string_view name, const auto& value) {
+    hdf5::write_attribute(file, std::string(name), value);
+  };
+  const FieldInfo& objective = info(job.optimum.objective);
+  constexpr double nan = BestDesign::nan;
+  const MeasuredError error = summary.error.value_or(MeasuredError{nan, nan, nan, 0});
+  using Count = unsigned long long;
+  write("format_version", format_version);
+  write("Conventions", "CF-1.10");
+  write("title", (is_study(job) ? "Trebuchet study " : "Trebuchet sweep ") +
+                     std::filesystem::path(job.output.file).stem().string());
+  write("source", version_text());
+  write("kernel", std::string(instruction_set()));
+  write("numerics_version", Count{numerics_version});
+  write("history", fmt::format("{}", fmt::join(history, "\n")));
+  write("job", to_text(job));
+  write("scene", scene_text(job));
+  write("objective", std::string(objective.name));
+  write("objective_units", std::string(objective.units));
+  write("error_median", error.median);
+  write("error_largest", error.largest);
+  write("error_at_optimum", error.at_optimum);
+  write("error_designs", Count{error.designs});
+  write("designs", Count{summary.tally.designs()});
+  write("steps", Count{summary.tally.steps});
+  write("lane_steps", Count{summary.tally.lane_steps});
+  write("integration_seconds", summary.tally.integration_seconds);
+  write("sweep_seconds", summary.tally.sweep_seconds);
+  const auto scene = summary.best();
+  const BestNumbers best = to_numbers(scene ? summary.optima[*scene] : BestDesign{});
+  for (std::size_t d = 0; d < best.size(); ++d) write(best_names[d], best[d]);
+  file.close(what);
 }
 
 }  // namespace trebsweep

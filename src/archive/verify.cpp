@@ -12,19 +12,14 @@ namespace {
 
 using hdf5::check;
 
-/// Reads a block of a dataset in the type it has in the file, last axis fastest.
-std::vector<std::byte> read_block(hid_t dataset, const MapBlock& block) {
+/// Reads a block of a map in the type it has in the file, last axis fastest.
+std::vector<std::byte> read_block(hid_t map, const MapBlock& block) {
   const std::string what = "read a tile";
-  const auto& [first, count] = block;
-  const hdf5::Datatype type(H5Dget_type(dataset), what);
-  const hdf5::Dataspace file(H5Dget_space(dataset), what);
-  check(H5Sselect_hyperslab(file, H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr),
-        what);
-  const hdf5::Dataspace memory(
-      H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), what);
+  const hdf5::Datatype type(H5Dget_type(map), what);
+  const auto& [file, memory] = hdf5::select(map, block.first, block.count);
   std::vector<std::byte> bytes(static_cast<std::size_t>(H5Sget_simple_extent_npoints(memory)) *
                                H5Tget_size(type));
-  check(H5Dread(dataset, type, memory, file, H5P_DEFAULT, bytes.data()), what);
+  check(H5Dread(map, type, memory, file, H5P_DEFAULT, bytes.data()), what);
   return bytes;
 }
 
@@ -42,42 +37,25 @@ std::uint64_t tiles_per_verification(const ArchiveContents& contents) {
   double cells = 1;
   for (const Tile& tile : contents.tiles)
     cells = std::max(cells, static_cast<double>(tile.block.cells()));
-  const double bytes =
-      cells * static_cast<double>(contents.checksum_columns.size() * sizeof(double));
+  const double bytes = cells * static_cast<double>(contents.maps.size() * sizeof(double));
   return static_cast<std::uint64_t>(std::clamp(bytes_at_once / bytes, 1.0, most));
 }
 
 void verify(const std::filesystem::path& path, const ArchiveContents& contents,
             const TileRange& tiles, std::span<bool> intact) {
   const hdf5::File file = open_archive(path);
-  const auto& columns = contents.checksum_columns;
+  const std::size_t columns = contents.maps.size();
   const auto expected = hdf5::read_numbers<std::uint64_t>(file, "tile_checksum");
-  const hdf5::Dataset designs = hdf5::open_dataset(file, "tile_designs");
-  std::vector<hdf5::Dataset> maps;
-  for (const std::string& column : columns)
-    if (is_map(column)) maps.push_back(open_uncached(file, column));
-  std::uint64_t row = 0;
-  const auto compare = [&](std::uint64_t t, std::size_t column, std::span<const std::byte> bytes) {
-    intact[row + column] = checksum(bytes) == expected[t * columns.size() + column];
-  };
-  for (std::uint64_t t = tiles.first; t < tiles.end; ++t, row += columns.size()) {
-    const Tile& tile = contents.tiles[t];
-    for (std::size_t m = 0; m < maps.size(); ++m) {
+  for (std::size_t m = 0; m < columns; ++m) {
+    const hdf5::Dataset map = open_uncached(file, contents.maps[m]);
+    for (std::uint64_t t = tiles.first; t < tiles.end; ++t) {
       try {
-        compare(t, m, read_block(maps[m], map_block(tile, contents.extents)));
+        const auto bytes = read_block(map, map_block(contents.tiles[t], contents.extents));
+        intact[(t - tiles.first) * columns + m] = checksum(bytes) == expected[t * columns + m];
       } catch (const std::runtime_error&) {
         continue;  // damaged so that HDF5 notices it
       }
     }
-    compare(t, columns.size() - 1, read_block(designs, {{t, 0}, {1, status_names.size()}}));
-    if (!contents.is_study()) continue;
-    const bool is_last =
-        t + 1 == contents.tiles.size() || contents.tiles[t + 1].scene != tile.scene;
-    const BestNumbers best = to_numbers(contents.summary.optima[tile.scene]);
-    if (is_last)
-      compare(t, maps.size(), std::as_bytes(std::span(best)));
-    else
-      intact[row + maps.size()] = expected[t * columns.size() + maps.size()] == 0;
   }
 }
 

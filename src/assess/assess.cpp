@@ -21,15 +21,15 @@ namespace {
 
 /// Writes the tables under a temporary name, then renames the file.
 void write_file(const OutputFile& output, const std::vector<Table>& tables, const Job& job,
-                const AssessOptions& options, std::uint64_t ranks) {
+                const AssessOptions& options, int ranks) {
   const auto path = unfinished_archive(partial_path(output.path));
   const std::string what = "write " + path.string();
   hdf5::silence();
   hdf5::File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), what);
-  write_attributes(file, {{"title", std::string("Trebuchet assessment")},
-                          {"source", version_text()},
-                          {"history", history_line(options.command, ranks)},
-                          {"job", to_text(job, true)}});
+  hdf5::write_attribute(file, "title", "Trebuchet assessment");
+  hdf5::write_attribute(file, "source", version_text());
+  hdf5::write_attribute(file, "history", history_line(options.command, ranks));
+  hdf5::write_attribute(file, "job", to_text(job, true));
   for (const Table& table : tables) write(file, table);
   file.close(what);
   finish_output(output);
@@ -76,9 +76,7 @@ std::vector<Table> assess(const Job& job, const AssessOptions& options, MPI_Comm
   tables.push_back(lattice_table(first, measure_lattice(first, measured, assessment, comm)));
   tables.push_back(advice_table(cases, measured, assessment.target_error));
 
-  mpi::on_root(comm, [&] {
-    write_file(output, tables, job, options, static_cast<std::uint64_t>(mpi::size(comm)));
-  });
+  mpi::on_root(comm, [&] { write_file(output, tables, job, options, mpi::size(comm)); });
   report("done");
   return tables;
 }

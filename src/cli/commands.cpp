@@ -41,7 +41,7 @@ void print_report(const SweepResult& result, const Study& study) {
 void print_stopped(const Summary& summary, bool overwrite) {
   print_message(fmt::format(
       "trebsweep: stopped with {} designs done; the same command continues the sweep{}\n",
-      summary.designs(), overwrite ? ", without --overwrite" : ""));
+      summary.tally.designs(), overwrite ? ", without --overwrite" : ""));
 }
 
 void run_trace(const CommandLine& line) {

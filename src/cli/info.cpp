@@ -68,25 +68,24 @@ std::string describe(const fs::path& path, const SweepText& sweep, const Summary
 }
 
 std::string describe_unfinished(const fs::path& folder) {
-  const Unfinished sweep(folder);
-  const PartialSweep& description = sweep.description();
-  const Study& study = sweep.study();
+  const Unfinished sweep = read_unfinished(folder);
+  const auto& [description, study, tiling, journals, tiles, summary] = sweep;
   const auto writer = lock_holder(folder);
   return describe(
       folder,
-      {.progress = fmt::format("unfinished, {}; {}", share_text(sweep.tiles_done(), sweep.tiles()),
+      {.progress = fmt::format("unfinished, {}; {}", share_text(tiles.size(), tiling.size()),
                                writer ? "being written by " + *writer
                                       : "interrupted: run the command of the sweep again to "
                                         "continue it"),
        .scene = scene_text(study.job()),
        .lattice = lattice_text(study.extent(), study.designs(), study.scenes()),
        .source = fmt::format("{}, {}", description.source, description.kernel),
-       .history = sweep.history(),
+       .history = fmt::format("{}", fmt::join(description.history, "\n")),
        .job = description.job,
-       .tiles = sweep.tiles(),
-       .tiles_done = sweep.tiles_done(),
-       .tile_edge = description.tile_edge},
-      sweep.summary());
+       .tiles = tiling.size(),
+       .tiles_done = tiles.size(),
+       .tile_edge = tiling.edge()},
+      summary);
 }
 
 /// The progress of an archive.
@@ -108,7 +107,7 @@ std::string describe_sweep(const fs::path& path) {
       {.progress = progress_text(contents),
        .scene = contents.scene,
        .lattice = lattice_text({r1.size(), r3.size(), r2.size()},
-                               summary.complete ? summary.designs() : 0, contents.scenes()),
+                               summary.complete ? summary.tally.designs() : 0, contents.scenes()),
        .source = fmt::format("{}, {}", contents.header.source, contents.kernel),
        .history = contents.header.history,
        .job = contents.header.job,
@@ -174,21 +173,21 @@ auto read_or_explain(const fs::path& path, F read) {
 /// A part of a tile whose bytes do not match their checksum, or cannot be read.
 struct Damage {
   std::uint64_t tile;
-  std::size_t column;  ///< of ArchiveContents::checksum_columns
+  std::size_t map;  ///< of ArchiveContents::maps
 };
 
 /// Verifies tiles in a child process: what it has not reached when HDF5 crashes or hangs is
 /// damaged.
 std::vector<Damage> find_damage(const fs::path& path, const ArchiveContents& contents,
                                 const TileRange& tiles) {
-  const std::size_t columns = contents.checksum_columns.size();
-  const std::size_t flags = (tiles.end - tiles.first) * columns;
+  const std::size_t maps = contents.maps.size(), flags = (tiles.end - tiles.first) * maps;
+  if (flags == 0) return {};
   const auto shared = boost::interprocess::anonymous_shared_memory(flags * sizeof(bool));
   const std::span<bool> intact(static_cast<bool*>(shared.get_address()), flags);
   completes(path, [&] { verify(path, contents, tiles, intact); });
   std::vector<Damage> damage;
   for (std::size_t i = 0; i < flags; ++i)
-    if (!intact[i]) damage.push_back({tiles.first + i / columns, i % columns});
+    if (!intact[i]) damage.push_back({tiles.first + i / maps, i % maps});
   return damage;
 }
 
@@ -240,10 +239,10 @@ void write_snapshot(const fs::path& given, const fs::path& output) {
   if (fs::exists(fs::symlink_status(output)))
     throw InputError(
         fmt::format("--snapshot {}: exists; name another file", shortened(output.string())));
-  const auto sweep = read_or_explain(path, [&] { return Unfinished(path); });
+  const auto sweep = read_or_explain(path, [&] { return read_unfinished(path); });
   const fs::path temporary = output.string() + ".new";
   try {
-    sweep.write_snapshot(temporary);
+    write_snapshot(temporary, sweep);
     fs::rename(temporary, output);
   } catch (const std::runtime_error& error) {
     std::error_code ignored;
@@ -268,16 +267,16 @@ void verify_archive(const fs::path& given, ProgressStyle style, std::FILE* out) 
 
   fmt::print(out, "archive   {}, {}\n", path.string(), progress_text(contents));
   const Job job = parse_job(contents.header.job, path, {});
-  for (const auto& [tile, column] : damage)
-    fmt::print(out, "damaged   {}, tile {}: {}\n", contents.checksum_columns[column], tile,
+  for (const auto& [tile, map] : damage)
+    fmt::print(out, "damaged   {}, tile {}: {}\n", contents.maps[map], tile,
                extent_text(contents.tiles[tile], contents, job));
   if (!damage.empty())
     throw std::runtime_error(
         fmt::format("{}: damaged; compute it again: repeat the command of the sweep with "
                     "--overwrite",
                     path.string()));
-  fmt::print(out, "verified  {} tiles: every value of {} is as written\n", contents.tiles.size(),
-             fmt::join(contents.checksum_columns, ", "));
+  fmt::print(out, "verified  {} tiles: every value{}{} is as written\n", contents.tiles.size(),
+             contents.maps.empty() ? "" : " of ", fmt::join(contents.maps, ", "));
 }
 
 }  // namespace trebsweep

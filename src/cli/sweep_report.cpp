@@ -48,7 +48,7 @@ std::string optimum_text(const BestDesign& best, std::uint64_t scene, const Job&
 std::string reason_for_no_optimum(const Summary& summary, const Job& job) {
   bool released = false;
   for (std::size_t s = 0; s < status_names.size(); ++s)
-    released |= has_speed(static_cast<Status>(s)) && summary.statuses[s] > 0;
+    released |= has_speed(static_cast<Status>(s)) && summary.tally.statuses[s] > 0;
   if (!released) return "none: nothing was released";
   std::vector<std::string> conditions;
   if (job.optimum.objective != Field::speed)
@@ -143,10 +143,10 @@ std::string scene_table(const Summary& summary, const Job& job) {
 }  // namespace
 
 std::string to_text(const Summary& summary, const Job& job) {
-  std::string text = fmt::format("designs   {}\n", summary.designs());
+  std::string text = fmt::format("designs   {}\n", summary.tally.designs());
   for (std::size_t s = 0; s < status_names.size(); ++s)
-    if (summary.statuses[s] > 0)
-      text += fmt::format("          {} {}\n", summary.statuses[s], status_names[s]);
+    if (summary.tally.statuses[s] > 0)
+      text += fmt::format("          {} {}\n", summary.tally.statuses[s], status_names[s]);
   const auto scene = summary.best();
   const bool refined = job.optimum.refine && summary.complete;
   text += fmt::format("{}   {}\n", refined ? "refined" : "optimum",
@@ -156,10 +156,10 @@ std::string to_text(const Summary& summary, const Job& job) {
   text +=
       fmt::format("error     {}\n", summary.error ? to_text(*summary.error, job.optimum.objective)
                                                   : std::string("not measured"));
-  text += fmt::format("steps     {}, lane utilisation {:.1f} %\n", summary.steps,
-                      100 * summary.utilisation);
-  return text + fmt::format("seconds   {:.2f} ({:.2f} integrating)", summary.sweep_seconds,
-                            summary.integration_seconds);
+  text += fmt::format("steps     {}, lane utilisation {:.1f} %\n", summary.tally.steps,
+                      100 * summary.tally.utilisation());
+  return text + fmt::format("seconds   {:.2f} ({:.2f} integrating)", summary.tally.sweep_seconds,
+                            summary.tally.integration_seconds);
 }
 
 }  // namespace trebsweep

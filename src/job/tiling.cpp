@@ -4,7 +4,8 @@
 
 namespace trebsweep {
 
-Tiling::Tiling(const Study& study, const Index3& edge) : extent_(study.extent()), edge_(edge) {
+Tiling::Tiling(const Study& study, const Index3& edge) : extent_(study.extent()) {
+  for (std::size_t d = 0; d < 3; ++d) edge_[d] = std::min(edge[d], extent_[d]);
   for (const Lattice& lattice : study.lattices()) grids_.push_back(grid(lattice));
   first_of_scene_.push_back(0);
   for (std::uint64_t scene = 0; scene < study.scenes(); ++scene) {

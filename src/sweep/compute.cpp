@@ -31,13 +31,9 @@ struct Row {
   Index3 first;         ///< in the box
   std::size_t cell;     ///< of the first design, in the tile's maps
   std::size_t count;    ///< of designs
-
-  Row part(std::size_t begin, std::size_t end) const {
-    return {tile, scene, {first[0], first[1], first[2] + begin}, cell + begin, end - begin};
-  }
 };
 
-/// The rows of tiles, grouped by scene.
+/// The rows of tiles, which are in ascending order.
 std::vector<Row> rows_of(const std::vector<Tile>& tiles, const Study& study) {
   std::vector<Row> rows;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
@@ -54,7 +50,6 @@ std::vector<Row> rows_of(const std::vector<Tile>& tiles, const Study& study) {
         if (end > first[2]) rows.push_back({t, scene, start, cell, end - first[2]});
       }
   }
-  std::ranges::stable_sort(rows, {}, &Row::scene);
   return rows;
 }
 
@@ -77,25 +72,18 @@ struct Slice {
   std::vector<double> values;  // as in Batch
 };
 
-/// Moves designs of the rows from `row` on, of which `taken` have been moved before, to an empty
-/// slice until it holds `count` or the scene ends. Returns their rows.
-std::vector<Row> fill(Slice& slice, const std::vector<Row>& rows, std::size_t& row,
-                      std::size_t& taken, std::size_t count, const Study& study) {
-  std::vector<Row> parts;
-  const std::uint64_t scene = rows[row].scene;
-  const Lattice& lattice = study.lattice(scene);
-  while (row < rows.size() && rows[row].scene == scene && slice.designs.size() < count) {
-    const std::size_t end = std::min(taken + count - slice.designs.size(), rows[row].count);
-    const Row& part = parts.emplace_back(rows[row].part(taken, end));
-    for (std::size_t k = 0; k < part.count; ++k)
-      slice.designs.push_back(lattice.design({part.first[0], part.first[1], part.first[2] + k}));
-    taken = end;
-    if (taken == rows[row].count) {
-      ++row;
-      taken = 0;
-    }
+/// Takes the designs of the first rows, of one scene: at least `count`, if it has as many. Returns
+/// the rows.
+std::span<const Row> take(std::span<const Row> rows, std::size_t count, const Lattice& lattice,
+                          std::vector<Design<double>>& designs) {
+  designs.clear();
+  std::size_t n = 0;
+  for (; n < rows.size() && rows[n].scene == rows[0].scene && designs.size() < count; ++n) {
+    const auto& [i1, i3, i2] = rows[n].first;
+    for (std::size_t k = 0; k < rows[n].count; ++k)
+      designs.push_back(lattice.design({i1, i3, i2 + k}));
   }
-  return parts;
+  return rows.first(n);
 }
 
 /// Adds the results of a row and its designs' objectives to its tile.
@@ -127,29 +115,30 @@ std::vector<ComputedTile> compute(const std::vector<Tile>& tiles, const Study& s
   for (std::size_t t = 0; t < tiles.size(); ++t)
     for (const Field field : stored_fields(job.output))
       computed[t].maps.emplace_back(tiles[t].block.cells(), fill_value(field));
-  std::vector<Row> rows = rows_of(tiles, study);
+  const std::vector<Row> rows = rows_of(tiles, study);
+  std::span<const Row> left = rows;
   std::size_t begun = 0;  // tiles
-  Slice slice(job);
-  for (std::size_t row = 0, taken = 0; row < rows.size();) {
+  for (Slice slice(job); !left.empty();) {
     if (begun > 0 && stop()) {
       computed.resize(begun);
-      rows.erase(std::ranges::lower_bound(rows, begun, {}, &Row::tile), rows.end());
-      if (row == rows.size()) break;
+      left = left.first(static_cast<std::size_t>(
+          std::ranges::lower_bound(left, begun, {}, &Row::tile) - left.begin()));
+      if (left.empty()) break;
     }
-    slice.designs.clear();
-    const auto parts = fill(slice, rows, row, taken, count, study);
-    const Scene scene = scene_at(job, parts.front().scene);
+    const std::uint64_t number = left.front().scene;
+    const auto taken = take(left, count, study.lattice(number), slice.designs);
+    const Scene scene = scene_at(job, number);
     const double start = MPI_Wtime();
     lane_steps += slice.integrate(scene, job.solver);
     count = std::min(next_count(count, MPI_Wtime() - start, 0.2), max_count);
     const std::vector<double> values = objectives(slice.batch(), job);
-    begun = parts.back().tile + 1;
-    std::size_t n = 0;
-    for (const Row& part : parts) {
-      store(study, slice.batch().slice(n, part.count), std::span(values).subspan(n, part.count),
-            part, computed[part.tile]);
-      n += part.count;
+    for (std::size_t n = 0; const Row& row : taken) {
+      store(study, slice.batch().slice(n, row.count), std::span(values).subspan(n, row.count), row,
+            computed[row.tile]);
+      n += row.count;
     }
+    begun = taken.back().tile + 1;
+    left = left.subspan(taken.size());
   }
   // Packs cross tiles, so that lane steps can only be counted for all tiles together.
   if (!computed.empty()) computed.front().tally.lane_steps = lane_steps;

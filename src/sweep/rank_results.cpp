@@ -87,13 +87,11 @@ void RankResults::combine_optima(MPI_Comm comm) {
   mpi::combine(std::span(totals_.optima), known, comm);
 }
 
-std::vector<TileResults> RankResults::tiles() {
+std::vector<Record> RankResults::tiles() {
   auto records = journal_.records();
   records.insert(records.begin(), earlier_.records.begin(), earlier_.records.end());
-  std::vector<TileResults> results;
-  for (const Record& record : records)
-    if (record.kind == RecordKind::tile) results.push_back(to_tile_results(record));
-  return results;
+  std::erase_if(records, [](const Record& record) { return record.kind != RecordKind::tile; });
+  return records;
 }
 
 }  // namespace trebsweep

@@ -17,7 +17,7 @@ std::uint64_t sweep_id(const Job& job, const Tiling& tiling) {
 
 StoredRecords read_records(std::span<const std::filesystem::path> journals, const Study& study,
                            const Tiling& tiling) {
-  const auto maps = map_infos(study.job().output);
+  const Output& output = study.job().output;
   std::vector<bool> has_tile(tiling.size()), has_scene(study.scenes());
   const auto is_first = [](std::vector<bool>& has, std::uint64_t number) {
     return number < has.size() && !has[number];
@@ -29,8 +29,8 @@ StoredRecords read_records(std::span<const std::filesystem::path> journals, cons
       const bool is_tile = record.kind == RecordKind::tile;
       auto& has = is_tile ? has_tile : has_scene;
       if (!is_first(has, record.number) ||
-          record.results.size() !=
-              (is_tile ? result_bytes(tiling.tile(record.number).block, maps) : sizeof(BestDesign)))
+          record.results.size() != (is_tile ? result_bytes(tiling.tile(record.number).block, output)
+                                            : sizeof(BestDesign)))
         continue;
       has[record.number] = true;
       stored.records.push_back(record);
@@ -48,20 +48,14 @@ void Totals::add(const Record& record, const Tiling& tiling) {
     std::memcpy(&optima[record.number], record.results.data(), sizeof(BestDesign));
     return;
   }
-  const Tally of_tile = to_tile_results(record).tally;
+  const Tally of_tile = tally_of(record);
   tally.add(of_tile);
   BestDesign& of_scene = best[tiling.tile(record.number).scene];
   if (is_better(of_tile.best, of_scene)) of_scene = of_tile.best;
 }
 
 Summary Totals::summary() const {
-  Summary summary{.statuses = tally.statuses,
-                  .steps = tally.steps,
-                  .utilisation = tally.utilisation(),
-                  .optima = best,
-                  .error = {},
-                  .integration_seconds = tally.integration_seconds,
-                  .sweep_seconds = tally.sweep_seconds};
+  Summary summary{.tally = tally, .optima = best, .error = {}};
   for (std::uint64_t scene = 0; scene < optima.size(); ++scene)
     if (optima[scene].exists()) summary.optima[scene] = optima[scene];
   return summary;

@@ -1,13 +1,11 @@
 #include "trebsweep/sweep/sweep.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
 
 #include "trebsweep/archive/free_space.hpp"
-#include "trebsweep/archive/hdf5.hpp"
 #include "trebsweep/archive/output_file.hpp"
 #include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/base/message.hpp"
@@ -52,21 +50,21 @@ void check_kernels(MPI_Comm comm) {
         "their results differ in the last digits; use nodes of one kind");
 }
 
-/// Takes the tiles of an unfinished sweep, or chooses those of a new one. For rank 0 only.
-void find_tiles(const Study& study, const SweepOptions& options, const OutputFile& output,
-                Start& start) {
-  if (output.partial) {
-    start.tile_edge = output.partial->tile_edge;
-    start.run = output.partial->history.size();
-  } else if (options.tile_edge) {
-    start.tile_edge = *options.tile_edge;
-  } else {
-    start.design_seconds = seconds_per_design(study, options.stop);
-    start.tile_edge =
-        tile_edge(study.extent(), study.scenes(), study.job().output.maps, start.design_seconds);
-  }
-  for (std::size_t d = 0; d < 3; ++d)
-    start.tile_edge[d] = std::min(start.tile_edge[d], study.extent()[d]);
+/// Describes a new sweep. For rank 0.
+PartialSweep new_sweep(const Study& study, const SweepOptions& options, const OutputFile& output,
+                       double& design_seconds) {
+  const Job& job = study.job();
+  const auto edge = [&] {
+    design_seconds = seconds_per_design(study, options.stop);
+    return tile_edge(study.extent(), study.scenes(), job.output.maps, design_seconds);
+  };
+  return {.job = to_text(job),
+          .source = version_text(),
+          .kernel = std::string(instruction_set()),
+          .numerics = numerics_version,
+          .tile_edge = options.tile_edge ? *options.tile_edge : edge(),
+          .replaces = output.replaces,
+          .history = {}};
 }
 
 /// Tells how much disk space a large sweep needs; `archive` is 0 if it is unknown.
@@ -79,28 +77,15 @@ void state_space(const SweepOptions& options, std::uintmax_t archive, std::uintm
                             archive == 0 ? "" : ", then " + size_text(archive)));
 }
 
-/// Describes a new sweep in its folder, or adds this run to the history of an earlier one. For rank
-/// 0.
-void open_folder(const Context& context, const OutputFile& output) {
-  const Job& job = context.study.job();
+/// Prepares the folder, clearing that of a new sweep, and describes the sweep in it. For rank 0.
+void open_folder(const Context& context, const OutputFile& output, const PartialSweep& sweep) {
   const fs::path folder = partial_path(output.path);
-  if (!output.partial) {
-    const auto [archive, journals] =
-        needed_space(context.study, context.tiling, map_infos(job.output), job.output.compression);
-    require_space(job, unfinished_archive(folder), archive, archive + journals);
+  if (context.start.run == 0) {
+    const auto [archive, journals] = needed_space(context.study, context.tiling);
+    require_space(context.study.job(), unfinished_archive(folder), archive, archive + journals);
     state_space(context.options, archive, journals);
     clear_partial(folder);
   }
-  PartialSweep sweep =
-      output.partial.value_or(PartialSweep{.job = to_text(job),
-                                           .source = version_text(),
-                                           .kernel = std::string(instruction_set()),
-                                           .numerics = numerics_version,
-                                           .tile_edge = context.start.tile_edge,
-                                           .replaces = output.replaces,
-                                           .history = {}});
-  const auto ranks = static_cast<std::uint64_t>(mpi::size(context.comm));
-  sweep.history.push_back(history_line(context.options.command, ranks));
   write_partial_sweep(folder, sweep);
 }
 
@@ -119,7 +104,7 @@ std::vector<std::uint64_t> cumulated_designs(const Context& context,
 /// all are done. Throws mpi::RootError if a journal cannot be written.
 bool compute_tiles(const Context& context, RankResults& results) {
   const auto& [study, tiling, options, start, start_time, comm] = context;
-  const auto maps = map_infos(study.job().output);
+  const Output& output = study.job().output;
   const auto& to_do = results.tiles_to_do();
   const auto designs = cumulated_designs(context, to_do);
   const std::uint64_t before = study.designs() - designs.back();
@@ -142,7 +127,8 @@ bool compute_tiles(const Context& context, RankResults& results) {
       const double share = static_cast<double>(tally.designs()) / all / ranks;
       tally.integration_seconds = share * (end - begin);
       tally.sweep_seconds = share * (end - counted);
-      results.add(RecordKind::tile, to_do[range.first + i], to_bytes(tally, values, maps));
+      results.add(RecordKind::tile, to_do[range.first + i],
+                  to_bytes(tally, std::move(values), output));
     }
     counted = end;
     progress.update(before + designs[done]);
@@ -153,7 +139,7 @@ bool compute_tiles(const Context& context, RankResults& results) {
   // As many as share_out() wants; a resumed sweep has not measured the time.
   const double first = tile_seconds > 0 ? std::clamp(0.25 / tile_seconds, 1.0, 1e9) : 1;
   const std::uint64_t most = std::max<std::uint64_t>(
-      1, (std::uint64_t{64} << 20) / result_bytes({{}, tiling.edge()}, maps));
+      1, (std::uint64_t{64} << 20) / result_bytes({{}, tiling.edge()}, output));
   const bool all =
       share_out(to_do.size(), static_cast<std::uint64_t>(first), most, work, options.stop, comm);
   results.totals().tally.sweep_seconds += (MPI_Wtime() - counted) / ranks;
@@ -186,17 +172,12 @@ bool find_optima(const Context& context, RankResults& results) {
 }
 
 /// Writes the archive and gives it its final name; collective.
-void write_output(const Context& context, const OutputFile& output, const fs::path& folder,
+void write_output(const Context& context, const OutputFile& output,
+                  const std::vector<std::string>& history, const fs::path& folder,
                   RankResults& results, Summary& summary) {
   const auto& [study, tiling, options, started, start_time, comm] = context;
-  const Output& settings = study.job().output;
   const fs::path file = unfinished_archive(folder);
   const double start = MPI_Wtime();
-  const auto maps = map_infos(settings);
-  std::vector<std::string> history;
-  mpi::on_root(comm, [&] { history = read_partial_sweep(folder).history; });
-  const Attributes attributes =
-      root_attributes(study.job(), fmt::format("{}", fmt::join(history, "\n")), summary);
   const auto own = results.tiles();
   std::uint64_t found = own.size();
   mpi::sum({&found, 1}, comm);
@@ -204,14 +185,9 @@ void write_output(const Context& context, const OutputFile& output, const fs::pa
     throw mpi::RootError(
         fmt::format("a journal in {} is damaged; the same command computes again what it held",
                     folder.string()));
-  write_archive(file, {study, tiling, maps, settings.compression, attributes, summary.optima}, own,
-                comm);
-  summary.sweep_seconds += MPI_Wtime() - start;
-  mpi::on_root(comm, [&] {
-    hdf5::File archive(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open " + file.string());
-    hdf5::write_attribute(archive, "sweep_seconds", summary.sweep_seconds);
-    archive.close("write " + file.string());
-  });
+  write_archive(file, {study, tiling, summary.optima}, own, comm);
+  summary.tally.sweep_seconds += MPI_Wtime() - start;
+  mpi::on_root(comm, [&, &job = study.job()] { write_attributes(file, job, history, summary); });
   mpi::on_all(comm, [&] { sync_file(file); });  // on every host
   mpi::on_root(comm, [&] { finish_output(output); });
 }
@@ -222,11 +198,19 @@ std::optional<SweepResult> sweep(const Study& study, const SweepOptions& options
   const double start_time = MPI_Wtime();
   Start start;
   check_kernels(comm);
-  OutputFile output;  // on rank 0 only; holds the lock
+  // On rank 0 only; the first holds the lock.
+  OutputFile output;
+  PartialSweep description;
   const fs::path folder = mpi::text_of_root(comm, [&] {
     output = open_or_resume(study.job(), options.overwrite);
     start.complete = output.complete;
-    if (!start.complete) find_tiles(study, options, output, start);
+    if (!start.complete) {
+      description = output.partial ? *output.partial
+                                   : new_sweep(study, options, output, start.design_seconds);
+      start.tile_edge = description.tile_edge;
+      start.run = description.history.size();
+      description.history.push_back(history_line(options.command, mpi::size(comm)));
+    }
     return partial_path(output.path).string();
   });
   start = mpi::from_root(start, comm);
@@ -234,7 +218,7 @@ std::optional<SweepResult> sweep(const Study& study, const SweepOptions& options
 
   const Tiling tiling(study, start.tile_edge);
   const Context context{study, tiling, options, start, start_time, comm};
-  mpi::on_root(comm, [&] { open_folder(context, output); });
+  mpi::on_root(comm, [&] { open_folder(context, output, description); });
   try {
     require_visible(folder, comm);
   } catch (const mpi::RootError&) {
@@ -253,7 +237,7 @@ std::optional<SweepResult> sweep(const Study& study, const SweepOptions& options
   result.summary.complete = complete;
   if (complete) {
     result.summary.error = measured_error(result.samples, result.summary.best().value_or(0));
-    write_output(context, output, folder, results, result.summary);
+    write_output(context, output, description.history, folder, results, result.summary);
   } else {
     mpi::on_all(comm, [&] { results.sync(); });
   }

@@ -1,7 +1,6 @@
 #include "trebsweep/sweep/unfinished.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <stdexcept>
 
@@ -9,36 +8,25 @@
 
 namespace trebsweep {
 
-Unfinished::Unfinished(const std::filesystem::path& folder)
-    : description_(read_partial_sweep(folder)),
-      study_(parse_job(description_.job, folder, {})),
-      tiling_(study_, description_.tile_edge) {
-  if (description_.numerics != numerics_version)
-    throw std::runtime_error(fmt::format("of another version: {}", description_.source));
-  stored_ = read_records(journals_in(folder), study_, tiling_);
-  for (const Record& record : stored_.records)
-    if (record.kind == RecordKind::tile) tiles_.push_back(to_tile_results(record));
-}
-
-std::string Unfinished::history() const {
-  return fmt::format("{}", fmt::join(description_.history, "\n"));
-}
-
-Summary Unfinished::summary() const {
-  Totals totals(study_.scenes());
-  for (const Record& record : stored_.records) totals.add(record, tiling_);
+Unfinished read_unfinished(const std::filesystem::path& folder) {
+  const PartialSweep description = read_partial_sweep(folder);
+  const Study study(parse_job(description.job, folder, {}));
+  const Tiling tiling(study, description.tile_edge);
+  if (description.numerics != numerics_version)
+    throw std::runtime_error(fmt::format("of another version: {}", description.source));
+  auto [journals, records] = read_records(journals_in(folder), study, tiling);
+  Totals totals(study.scenes());
+  for (const Record& record : records) totals.add(record, tiling);
+  std::erase_if(records, [](const Record& record) { return record.kind != RecordKind::tile; });
   Summary summary = totals.summary();
   summary.complete = false;
-  return summary;
+  return {description, study, tiling, std::move(journals), std::move(records), summary};
 }
 
-void Unfinished::write_snapshot(const std::filesystem::path& path) const {
-  const Job& job = study_.job();
-  const Summary so_far = summary();
-  const auto maps = map_infos(job.output);
-  const Attributes attributes = root_attributes(job, history(), so_far);
-  write_archive(path, {study_, tiling_, maps, job.output.compression, attributes, so_far.optima},
-                tiles_);
+void write_snapshot(const std::filesystem::path& path, const Unfinished& sweep) {
+  const Summary& summary = sweep.summary;
+  write_archive(path, {sweep.study, sweep.tiling, summary.optima}, sweep.tiles);
+  write_attributes(path, sweep.study.job(), sweep.description.history, summary);
 }
 
 }  // namespace trebsweep

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "support/catch.hpp"
 #include "support/small_archive.hpp"
@@ -24,7 +25,7 @@ hsize_t allocated_chunks(const std::filesystem::path& path, const std::string& m
 
 /// Checks every value of the maps of an archive.
 void check_maps(const std::filesystem::path& path, const Study& study) {
-  const auto numbers = read_map(path, "number"), flags = read_map(path, "flag");
+  const auto numbers = read_map(path, "speed"), flags = read_map(path, "status");
   REQUIRE(numbers.size() == study.cells());
   const Index3 n = study.extent();
   std::size_t cell = 0;
@@ -42,27 +43,24 @@ void check_maps(const std::filesystem::path& path, const Study& study) {
 }  // namespace
 
 TEST_CASE("On any number of ranks every value is stored in its cell, in all formats of a map") {
-  for (const SmallStudy& small : small_studies())
-    for (const int compression : {0, 4})
-      for (const MapType type : {MapType::float64, MapType::float32}) {
-        const TemporaryFile file("archive");
-        write_together(file.path(), small, two_maps(type), compression);
-        if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
-        const ArchiveContents contents = read_contents(file.path());
-        CHECK(contents.summary.complete);
-        CHECK(contents.summary.designs() == small.study.designs());
-        CHECK(read_map(file.path(), "r3") == small.study.axes()[1]);
-        check_maps(file.path(), small.study);
-      }
+  for (const SmallStudy& small : small_studies_in_all_formats()) {
+    const TemporaryFile file("archive");
+    write_together(file.path(), small);
+    if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+    const ArchiveContents contents = read_contents(file.path());
+    CHECK(contents.summary.complete);
+    CHECK(contents.summary.tally.designs() == small.study.designs());
+    CHECK(read_map(file.path(), "r3") == small.study.axes()[1]);
+    check_maps(file.path(), small.study);
+  }
 }
 
 TEST_CASE("The archives that one process and several ranks write have the same checksums") {
   for (const SmallStudy& small : small_studies()) {
-    const auto maps = two_maps(MapType::float64);
     const TemporaryFile together("archive_together"), alone("archive_alone");
-    write_together(together.path(), small, maps, 0);
+    write_together(together.path(), small);
     if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
-    write_all(alone.path(), small, maps, 0);
+    write_all(alone.path(), small);
     for (const char* table : {"tile_block", "tile_designs", "tile_checksum"})
       CHECK(hdf5::read_numbers<std::uint64_t>(open_archive(together.path()), table) ==
             hdf5::read_numbers<std::uint64_t>(open_archive(alone.path()), table));
@@ -70,10 +68,9 @@ TEST_CASE("The archives that one process and several ranks write have the same c
 }
 
 TEST_CASE("The optima of a study's scenes are stored over the outer axes, with or without maps") {
-  const SmallStudy small(job_of_six_scenes());
-  for (const auto& maps : {two_maps(MapType::float64), std::vector<MapInfo>{}}) {
+  for (const Job& job : {job_of_six_scenes(), without_maps(job_of_six_scenes())}) {
     const TemporaryFile file("archive_optima");
-    write_together(file.path(), small, maps, 0);
+    write_together(file.path(), SmallStudy(job));
     if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
     CHECK(read_map(file.path(), "projectile_mass") == std::vector<double>{50, 75, 100});
     CHECK(read_map(file.path(), "fulcrum_height") == std::vector{1.5, 1.7});
@@ -86,14 +83,15 @@ TEST_CASE("The optima of a study's scenes are stored over the outer axes, with o
         CHECK(values[scene] == to_numbers(optimum_of(scene))[d]);
       CHECK(std::isnan(values[2]));
     }
-    CHECK(H5Lexists(opened, "number", H5P_DEFAULT) == (maps.empty() ? 0 : 1));
+    for (const char* name : {"speed", "status", "tile_checksum"})
+      CHECK(H5Lexists(opened, name, H5P_DEFAULT) == (job.output.maps == Maps::none ? 0 : 1));
   }
 }
 
 TEST_CASE("An archive says which cells hold designs, in every scene") {
-  for (const SmallStudy& small : small_studies()) {
+  for (const SmallStudy& small : small_studies_without_maps()) {
     const TemporaryFile file("archive_lattices");
-    write_together(file.path(), small, {}, 0);
+    write_together(file.path(), small);
     if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
     const auto lattice_of = read_map(file.path(), "scene_lattice"),
                has_r1 = read_map(file.path(), "lattice_r1"),
@@ -111,12 +109,12 @@ TEST_CASE("An archive says which cells hold designs, in every scene") {
   }
 }
 
-TEST_CASE("Axes and optima of a study have units and descriptions, an archive of one scene none") {
+TEST_CASE("Axes, maps and optima of a study are described, an archive of one scene has no optima") {
   Job job = job_of_six_scenes();
   job.optimum.objective = Field::range;
   const TemporaryFile study("archive_of_study"), single("archive_of_scene");
   for (const auto& [file, of] : {std::pair{&study, job}, {&single, job_of_one_scene()}})
-    write_together(file->path(), SmallStudy(of), {}, 0);
+    write_together(file->path(), SmallStudy(of));
   if (mpi::rank(MPI_COMM_WORLD) != 0) return;
   const hdf5::File file(H5Fopen(study.path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open");
   const auto attribute = [&](const char* dataset, const char* name) {
@@ -124,6 +122,10 @@ TEST_CASE("Axes and optima of a study have units and descriptions, an archive of
   };
   CHECK(attribute("projectile_mass", "units") == "kg");
   CHECK(attribute("projectile_mass", "long_name") == "mass m3 of the projectile");
+  CHECK(attribute("speed", "units") == "m s-1");
+  CHECK(attribute("speed", "ancillary_variables") == "status");
+  CHECK(attribute("status", "flag_meanings").starts_with("outside_lattice released "));
+  CHECK(H5Aexists_by_name(file, "status", "ancillary_variables", H5P_DEFAULT) == 0);
   CHECK(attribute("best_value", "units") == "m");
   CHECK_THAT(attribute("best_value", "long_name"), contains("horizontal distance"));
   CHECK(attribute("best_speed", "units") == "m s-1");
@@ -135,77 +137,89 @@ TEST_CASE("Axes and optima of a study have units and descriptions, an archive of
 }
 
 TEST_CASE("Tiles that were not written hold fill values and no designs") {
-  for (const SmallStudy& small : small_studies())
-    for (const int compression : {0, 1})
-      for (const MapType type : {MapType::float64, MapType::float32}) {
-        const TemporaryFile file("archive_some_tiles");
-        if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
-        const auto maps = two_maps(type);
-        write_tiles(file.path(), small, maps, compression, {1, 2});
-        const hdf5::File opened = open_archive(file.path());
-        for (const char* table : {"tile_designs", "tile_checksum"}) {
-          const auto values = hdf5::read_numbers<std::uint64_t>(opened, table);
-          const std::size_t columns = values.size() / small.tiling.size();
-          for (std::size_t i = 0; i < values.size(); ++i)
-            if (i / columns != 1) REQUIRE(values[i] == 0);
-          CHECK(values[2 * columns - 1] + values[columns + 1] > 0);
-        }
-        auto numbers = read_map(file.path(), "number"), flags = read_map(file.path(), "flag");
-        auto values = values_of(small, small.tiling.tile(1));
-        for (auto* of : {&numbers, &values[0]})
-          std::erase_if(*of, [](double x) { return std::isnan(x); });
-        CHECK(numbers == values[0]);
-        CHECK(std::ranges::count(flags, 2) == std::ssize(numbers));
-      }
+  for (const SmallStudy& small : small_studies_in_all_formats()) {
+    const TemporaryFile file("archive_some_tiles");
+    if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+    write_tiles(file.path(), small, {1, 2});
+    const hdf5::File opened = open_archive(file.path());
+    for (const char* table : {"tile_designs", "tile_checksum"}) {
+      const auto values = hdf5::read_numbers<std::uint64_t>(opened, table);
+      const std::size_t columns = values.size() / small.tiling.size();
+      for (std::size_t i = 0; i < values.size(); ++i)
+        if (i / columns != 1) REQUIRE(values[i] == 0);
+      CHECK(values[2 * columns - 1] + values[columns + 1] > 0);
+    }
+    auto numbers = read_map(file.path(), "speed"), flags = read_map(file.path(), "status");
+    auto values = values_of(small, small.tiling.tile(1));
+    for (auto* of : {&numbers, &values[0]})
+      std::erase_if(*of, [](double x) { return std::isnan(x); });
+    CHECK(numbers == values[0]);
+    CHECK(std::ranges::count(flags, 2) == std::ssize(numbers));
+  }
 }
 
 TEST_CASE("Chunks entirely outside the lattice are never allocated") {
-  for (const SmallStudy& small : small_studies())
-    for (const int compression : {0, 1}) {
-      const TemporaryFile file("archive_chunks");
-      write_together(file.path(), small, two_maps(MapType::float64), compression);
-      if (mpi::rank(MPI_COMM_WORLD) == 0) {
-        const hsize_t chunks = allocated_chunks(file.path(), "number");
-        CHECK(chunks == small.tiling.size());
-        const Index3 n = small.study.extent();
-        CHECK(chunks <
-              small.study.scenes() * ((n[0] + 3) / 4) * ((n[1] + 2) / 3) * ((n[2] + 4) / 5));
-      }
-    }
+  for (const SmallStudy& small : small_studies_in_all_formats()) {
+    const TemporaryFile file("archive_chunks");
+    write_together(file.path(), small);
+    if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
+    const hsize_t chunks = allocated_chunks(file.path(), "speed");
+    CHECK(chunks == small.tiling.size());
+    const Index3 n = small.study.extent();
+    CHECK(chunks < small.study.scenes() * ((n[0] + 3) / 4) * ((n[1] + 2) / 3) * ((n[2] + 4) / 5));
+  }
 }
 
 TEST_CASE("The results of a tile are the same after they were stored as bytes") {
   const SmallStudy small;
-  const auto maps = two_maps(MapType::float64);
+  const Output& output = small.study.job().output;
   const Tile tile = small.tiling.tile(2);
   Tally tally;
   tally.add({3, 2, 1, Status::released}, 7, {0.5, 0.6, 0.7}, 5);
   const auto values = values_of(small, tile);
-  const auto bytes = to_bytes(tally, values, maps);
-  CHECK(bytes.size() == result_bytes(tile.block, maps));
-  const TileResults results = to_tile_results({RecordKind::tile, 2, bytes});
-  CHECK(results.number == 2);
-  CHECK(std::ranges::equal(std::as_bytes(std::span(&results.tally, 1)),
+  const auto bytes = to_bytes(tally, values, output);
+  CHECK(bytes.size() == result_bytes(tile.block, output));
+  const Tally stored = tally_of({RecordKind::tile, 2, bytes});
+  CHECK(std::ranges::equal(std::as_bytes(std::span(&stored, 1)),
                            std::as_bytes(std::span(&tally, 1))));
   const auto numbers = std::as_bytes(std::span(values[0]));
-  CHECK(std::ranges::equal(results.values.first(numbers.size()), numbers));
-  CHECK(results.values.back() == std::byte{static_cast<unsigned char>(values[1].back())});
+  CHECK(std::ranges::equal(std::span(bytes).subspan(sizeof tally, numbers.size()), numbers));
+  CHECK(bytes.back() == std::byte{static_cast<unsigned char>(values[1].back())});
+}
+
+TEST_CASE("Values are rounded to float32, and those beyond its range are infinite") {
+  Output output;
+  output.fields = {Field::speed};
+  output.storage = Storage::float32;
+  const std::vector<double> values{0.1, 1e300, -1e300, 1e-300, no_value, 1 + 1e-12};
+  const auto bytes = to_bytes({}, {values}, output);
+  std::vector<float> stored(values.size());
+  REQUIRE(bytes.size() == sizeof(Tally) + stored.size() * sizeof(float));
+  std::memcpy(stored.data(), &bytes[sizeof(Tally)], stored.size() * sizeof(float));
+  const float infinite = std::numeric_limits<float>::infinity();
+  CHECK(stored[0] == 0.1f);
+  CHECK(stored[1] == infinite);
+  CHECK(stored[2] == -infinite);
+  CHECK(stored[3] == 0);
+  CHECK(std::isnan(stored[4]));
+  CHECK(stored[5] == 1);
 }
 
 TEST_CASE("The sizes of journals and archive are known before they are written") {
   const SmallStudy small;
-  const auto maps = two_maps(MapType::float64);
   std::uintmax_t records = 40 + sizeof(BestDesign);  // of the scene
   for (std::uint64_t t = 0; t < small.tiling.size(); ++t)
     records += 40 + sizeof(Tally) + small.tiling.tile(t).block.cells() * 9;
   const TemporaryFile file("archive_size");
-  write_together(file.path(), small, maps, 0);
+  write_together(file.path(), small);
   const auto size = static_cast<double>(std::filesystem::file_size(file.path()));
-  const auto [archive, journals] = needed_space(small.study, small.tiling, maps, 0);
-  const double metadata = 40000;  // bytes, whatever the size of the lattice
+  const auto [archive, journals] = needed_space(small.study, small.tiling);
+  const double metadata = 70000;  // bytes, whatever the size of the lattice
   CHECK(journals == records);
   CHECK(static_cast<double>(archive) <= size);
   CHECK(static_cast<double>(archive) + metadata >= size);
-  CHECK(needed_space(small.study, small.tiling, maps, 1).archive == 0);
+  Job compressed = small.study.job();
+  compressed.output.compression = 1;
+  CHECK(needed_space(Study(compressed), small.tiling).archive == 0);
   MPI_Barrier(MPI_COMM_WORLD);
 }

@@ -118,7 +118,7 @@ TEST_CASE("An assessment replaces neither an unfinished sweep nor, unless asked,
     CHECK_THROWS_WITH(reserve_output(job, overwrite), contains("holds an unfinished sweep"));
   CHECK_NOTHROW(read_partial_sweep(partial_path(job.output.file)));
   fs::remove_all(partial_path(job.output.file));
-  write_all(job.output.file, SmallStudy(), {}, 0);
+  write_all(job.output.file, SmallStudy());
   CHECK_THROWS_WITH(reserve_output(job, false), contains("already exists"));
   const OutputFile output = reserve_output(job, true);
   CHECK(output.replaces == file_identity(job.output.file));
@@ -129,7 +129,7 @@ TEST_CASE("The complete archive of the job is not locked, and frees the folder o
   const SmallStudy small;
   Job job = small.study.job();
   job.output.file = directory / "a.h5";
-  write_all(job.output.file, small, {}, 0);
+  write_all(job.output.file, small);
   for (const bool was_killed : {false, true}) {
     if (was_killed) write_unfinished(job);
     const OutputFile output = open_or_resume(job, false);
@@ -147,7 +147,7 @@ TEST_CASE("An archive that lacks tiles is not taken for the complete one") {
   const SmallStudy small;
   Job job = small.study.job();
   job.output.file = directory / "a.h5";
-  write_tiles(job.output.file, small, {}, 0, {0, 3});
+  write_tiles(job.output.file, small, {0, 3});
   CHECK_THROWS_WITH(open_or_resume(job, false), contains("a snapshot of this job, 3 of"));
   CHECK_FALSE(open_or_resume(job, true).complete);
 }

@@ -33,8 +33,10 @@ def sweep_seconds(job, options, ranks, archive):
                     os.path.join(REPOSITORY, job), *options, "--output.file", archive,
                     "--overwrite", "--progress", "none"], check=True, capture_output=True)
     with h5py.File(archive) as file:
-        return tuple(float(file.attrs[name]) for name in
-                     ("integration_seconds", "sweep_seconds", "lane_utilisation"))
+        attributes = {name: float(value) for name, value in file.attrs.items()
+                      if name in ("integration_seconds", "sweep_seconds", "steps", "lane_steps")}
+        return (attributes["integration_seconds"], attributes["sweep_seconds"],
+                attributes["steps"] / attributes["lane_steps"])
 
 
 def main():

@@ -14,7 +14,7 @@ constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 /// A sweep of one scene without an optimum, whose designs all have a status.
 Summary without_optimum(Status status) {
   Summary summary;
-  summary.statuses[static_cast<std::size_t>(status)] = 1;
+  summary.tally.statuses[static_cast<std::size_t>(status)] = 1;
   summary.optima = {BestDesign{}};
   return summary;
 }
@@ -59,7 +59,7 @@ std::ptrdiff_t lines(const std::string& text) { return std::count(text.begin(), 
 
 TEST_CASE("The text counts the designs of each status that occurs") {
   Summary summary = without_optimum(Status::non_finite);
-  summary.statuses[static_cast<std::size_t>(Status::released)] = 20;
+  summary.tally.statuses[static_cast<std::size_t>(Status::released)] = 20;
   CHECK_THAT(to_text(summary, Job{}), contains("designs   21\n") && contains(" 20 released\n") &&
                                           contains(" 1 non_finite\n") && !contains("not_released"));
 }

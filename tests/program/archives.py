@@ -9,7 +9,7 @@ os.environ["HDF5_USE_FILE_LOCKING"] = "FALSE"
 import h5py  # pylint: disable=wrong-import-position
 
 # Attributes that depend on the run or its command line.
-ATTRIBUTES_OF_RUN = ("history", "title", "job", "lane_utilisation", "integration_seconds", "sweep_seconds")
+ATTRIBUTES_OF_RUN = ("history", "title", "job", "lane_steps", "integration_seconds", "sweep_seconds")
 
 
 def contents(archive):

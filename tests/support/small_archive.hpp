@@ -14,15 +14,22 @@ namespace trebsweep {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
-/// A job with some hundred designs per scene.
-inline Job job_of_one_scene() { return parse_job("[lattice]\nincrement = 0.1\n", "a.cfg", {}); }
+/// A job with some hundred designs and the maps of values_of().
+inline Job job_of_one_scene() {
+  return parse_job("[lattice]\nincrement = 0.1\n[output]\nfields = speed, status\n", "a.cfg", {});
+}
 
-/// A job of 3 x 2 scenes; the lattices of the two heights differ.
+/// The same with 3 x 2 scenes; the lattices of the two heights differ.
 inline Job job_of_six_scenes() {
   return parse_job(
       "[scene]\nprojectile-mass = 50:100:25\nfulcrum-height = 1.5, 1.7\n"
-      "[lattice]\nincrement = 0.1\n",
+      "[lattice]\nincrement = 0.1\n[output]\nfields = speed, status\n",
       "a.cfg", {});
+}
+
+inline Job without_maps(Job job) {
+  job.output.maps = Maps::none;
+  return job;
 }
 
 /// A study, and tiles that do not divide its lattices evenly.
@@ -38,10 +45,23 @@ inline std::vector<SmallStudy> small_studies() {
   return {SmallStudy(job_of_one_scene()), SmallStudy(job_of_six_scenes())};
 }
 
-/// A map of numbers, which are value_of() their cell, and a map of flags, which are 2.
-inline std::vector<MapInfo> two_maps(MapType type) {
-  return {{"number", "m s-1", "a number", "flag", type, no_value, {}},
-          {"flag", "", "a flag", "", MapType::uint8, 0, {"none", "one", "two"}}};
+/// The same without maps.
+inline std::vector<SmallStudy> small_studies_without_maps() {
+  return {SmallStudy(without_maps(job_of_one_scene())),
+          SmallStudy(without_maps(job_of_six_scenes()))};
+}
+
+/// The same in all formats of maps.
+inline std::vector<SmallStudy> small_studies_in_all_formats() {
+  std::vector<SmallStudy> studies;
+  for (Job job : {job_of_one_scene(), job_of_six_scenes()})
+    for (const Storage storage : {Storage::float64, Storage::float32})
+      for (const int compression : {0, 4}) {
+        job.output.storage = storage;
+        job.output.compression = compression;
+        studies.emplace_back(job);
+      }
+  return studies;
 }
 
 inline double value_of(std::uint64_t scene, const Index3& i) {
@@ -62,7 +82,7 @@ inline std::vector<BestDesign> optima_of(const SmallStudy& small) {
   return optima;
 }
 
-/// The values of two_maps() in a tile.
+/// The values of a tile's maps: a number, which is value_of() its cell, and a flag, which is 2.
 inline std::vector<std::vector<double>> values_of(const SmallStudy& small, const Tile& tile) {
   std::vector<std::vector<double>> maps(2);
   const auto& [first, count] = tile.block;
@@ -74,71 +94,59 @@ inline std::vector<std::vector<double>> values_of(const SmallStudy& small, const
         maps[0].push_back(holds ? value_of(tile.scene, i) : no_value);
         maps[1].push_back(holds ? 2 : 0);
       }
+  if (small.study.job().output.maps == Maps::none) maps.clear();
   return maps;
 }
 
-/// The results of some tiles with the first of two_maps(), whose designs are all released.
+/// The results of some tiles, whose designs are all released.
 class StoredTiles {
  public:
   /// Of every `step`-th tile of a range.
-  StoredTiles(const SmallStudy& small, const std::vector<MapInfo>& maps, const TileRange& range,
-              std::uint64_t step = 1) {
+  StoredTiles(const SmallStudy& small, const TileRange& range, std::uint64_t step = 1) {
     for (std::uint64_t t = range.first; t < range.end; t += step) {
       const Tile tile = small.tiling.tile(t);
       Tally tally;
       tally.statuses[static_cast<std::size_t>(Status::released)] =
           small.study.lattice(tile.scene).designs_in(tile.block);
-      bytes_.push_back(to_bytes(tally, values_of(small, tile), maps));
-      results_.push_back(to_tile_results({RecordKind::tile, t, bytes_.back()}));
+      bytes_.push_back(to_bytes(tally, values_of(small, tile), small.study.job().output));
+      records_.push_back({RecordKind::tile, t, bytes_.back()});
     }
   }
 
-  const std::vector<TileResults>& results() const { return results_; }
+  const std::vector<Record>& records() const { return records_; }
 
  private:
   std::vector<std::vector<std::byte>> bytes_;
-  std::vector<TileResults> results_;
+  std::vector<Record> records_;
 };
 
-/// What an archive holds except for the results of its tiles.
-struct SmallSkeleton {
-  SmallSkeleton(const SmallStudy& small, const std::vector<MapInfo>& maps, int compression)
-      : optima(optima_of(small)),
-        attributes(root_attributes(small.study.job(), "a run", summary())),
-        skeleton{small.study, small.tiling, maps, compression, attributes, optima} {}
-
-  Summary summary() const {
-    Summary result;
-    result.optima = optima;
-    return result;
-  }
-
-  std::vector<BestDesign> optima;
-  Attributes attributes;
-  Skeleton skeleton;
-};
+inline void describe_small(const std::filesystem::path& path, const SmallStudy& small) {
+  Summary summary;
+  summary.optima = optima_of(small);
+  write_attributes(path, small.study.job(), {"a run"}, summary);
+}
 
 /// Writes some tiles, without MPI.
 inline void write_tiles(const std::filesystem::path& path, const SmallStudy& small,
-                        const std::vector<MapInfo>& maps, int compression, const TileRange& range) {
-  write_archive(path, SmallSkeleton(small, maps, compression).skeleton,
-                StoredTiles(small, maps, range).results());
+                        const TileRange& range) {
+  const auto optima = optima_of(small);
+  write_archive(path, {small.study, small.tiling, optima}, StoredTiles(small, range).records());
+  describe_small(path, small);
 }
 
 /// Writes every tile, without MPI.
-inline void write_all(const std::filesystem::path& path, const SmallStudy& small,
-                      const std::vector<MapInfo>& maps, int compression) {
-  write_tiles(path, small, maps, compression, {0, small.tiling.size()});
+inline void write_all(const std::filesystem::path& path, const SmallStudy& small) {
+  write_tiles(path, small, {0, small.tiling.size()});
 }
 
 /// Writes every tile, each rank its own; collective.
-inline void write_together(const std::filesystem::path& path, const SmallStudy& small,
-                           const std::vector<MapInfo>& maps, int compression) {
+inline void write_together(const std::filesystem::path& path, const SmallStudy& small) {
   const auto rank = static_cast<std::uint64_t>(mpi::rank(MPI_COMM_WORLD));
   const auto ranks = static_cast<std::uint64_t>(mpi::size(MPI_COMM_WORLD));
-  write_archive(path, SmallSkeleton(small, maps, compression).skeleton,
-                StoredTiles(small, maps, {rank, small.tiling.size()}, ranks).results(),
-                MPI_COMM_WORLD);
+  const auto optima = optima_of(small);
+  write_archive(path, {small.study, small.tiling, optima},
+                StoredTiles(small, {rank, small.tiling.size()}, ranks).records(), MPI_COMM_WORLD);
+  mpi::on_root(MPI_COMM_WORLD, [&] { describe_small(path, small); });
 }
 
 }  // namespace trebsweep

@@ -11,9 +11,9 @@ TEST_CASE("On the whole lattice, the paper's job agrees with the paper's algorit
   Job job = parse_job(read_job_file(SOURCE_DIR "/jobs/paper.cfg"), "paper.cfg", {});
   job.output.file = file.path();
   const Summary summary = summary_of(job);
-  CHECK(summary.designs() == 706860);
-  CHECK(summary.statuses[static_cast<std::size_t>(Status::released)] == 706860);
-  CHECK(summary.steps == 50335710);
+  CHECK(summary.tally.designs() == 706860);
+  CHECK(summary.tally.statuses[static_cast<std::size_t>(Status::released)] == 706860);
+  CHECK(summary.tally.steps == 50335710);
   const BestDesign best = best_of(summary);
   CHECK(best.speed == Approx(17.47606519).margin(5e-9));
   CHECK(best.design.r1 == 0.51);

@@ -26,17 +26,10 @@ Record tile_record(std::uint64_t number, const std::vector<std::byte>& bytes) {
   return {RecordKind::tile, number, bytes};
 }
 
-/// A job of six scenes without maps.
-Job job_without_maps() {
-  Job job = job_of_six_scenes();
-  job.output.maps = Maps::none;
-  return job;
-}
-
 }  // namespace
 
 TEST_CASE("The optimum of a scene is the best design of its tiles until it is found") {
-  const SmallStudy small(job_without_maps());
+  const SmallStudy small(without_maps(job_of_six_scenes()));
   const Design<double> first{0.5, 0.6, 0.7}, last{0.6, 0.6, 0.7};
   const TileRange tiles = small.tiling.of_scene(1);
   Totals totals(small.study.scenes());
@@ -46,11 +39,11 @@ TEST_CASE("The optimum of a scene is the best design of its tiles until it is fo
   totals.add(tile_record(tiles.end, tile_with(released(5), first, -4)), small.tiling);
   totals.add(tile_record(0, tile_with({99, 0, 5, Status::not_released}, first, 99)), small.tiling);
   Summary summary = totals.summary();
-  CHECK(summary.designs() == 5);
-  CHECK(summary.statuses[static_cast<std::size_t>(Status::released)] == 4);
-  CHECK(summary.statuses[static_cast<std::size_t>(Status::not_released)] == 1);
-  CHECK(summary.steps == 45);
-  CHECK(summary.utilisation == 0.5);
+  CHECK(summary.tally.designs() == 5);
+  CHECK(summary.tally.statuses[static_cast<std::size_t>(Status::released)] == 4);
+  CHECK(summary.tally.statuses[static_cast<std::size_t>(Status::not_released)] == 1);
+  CHECK(summary.tally.steps == 45);
+  CHECK(summary.tally.utilisation() == 0.5);
   CHECK(summary.best() == 1u);
   CHECK(summary.optima[1].value == -3);
   CHECK(summary.optima[1].speed == 6);
@@ -70,18 +63,18 @@ TEST_CASE("The optimum of a scene is the best design of its tiles until it is fo
 }
 
 TEST_CASE("Without a release there is no optimum") {
-  const SmallStudy small(job_without_maps());
+  const SmallStudy small(without_maps(job_of_six_scenes()));
   Totals totals(small.study.scenes());
   totals.add(
       tile_record(0, tile_with({no_value, no_value, 1, Status::non_finite}, {1, 1, 1}, no_value)),
       small.tiling);
-  CHECK(totals.summary().designs() == 1);
+  CHECK(totals.summary().tally.designs() == 1);
   CHECK_FALSE(totals.summary().best());
 }
 
 TEST_CASE("Of each tile and scene the first fitting record of the journals is read") {
   const TemporaryDirectory directory;
-  const SmallStudy small(job_without_maps());
+  const SmallStudy small(without_maps(job_of_six_scenes()));
   const std::vector<std::filesystem::path> paths{directory / "1", directory / "2"};
   const auto bytes = tile_with(released(1), {1, 1, 1}, 1), later = tile_with(released(2), {}, 2);
   auto longer = bytes;

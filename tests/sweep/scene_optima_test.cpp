@@ -116,7 +116,7 @@ TEST_CASE("A scene's slice of a study is bitwise the sweep of that scene alone")
   const Study study(job);
   for (const Index3& edge : {Index3{16, 16, 16}, Index3{4, 3, 5}}) {
     const Summary summary = summary_of(job, quiet(edge));
-    CHECK(summary.designs() == study.designs());
+    CHECK(summary.tally.designs() == study.designs());
     REQUIRE(summary.optima.size() == study.scenes());
     for (std::uint64_t scene = 0; scene < study.scenes(); ++scene) {
       Job single = job_at(job, scene);
@@ -156,7 +156,7 @@ TEST_CASE("Without maps a study stores the optima of its scenes, with their erro
   job.output.file = without.path();
   job.output.maps = Maps::none;
   const Summary summary = summary_of(job);
-  CHECK(summary.statuses == with_maps.statuses);
+  CHECK(summary.tally.statuses == with_maps.tally.statuses);
   if (!root()) return;
   CHECK_THROWS(read_map(without.path(), "speed"));
   for (const std::string_view name : best_names) {
@@ -217,7 +217,7 @@ TEST_CASE("A study that is stopped again and again ends with the same archive as
     ++runs;
   } while (!summary.complete && runs < 200);
   CHECK(runs > 5);
-  CHECK(summary.statuses == expected.statuses);
+  CHECK(summary.tally.statuses == expected.tally.statuses);
   CHECK(summary.best() == expected.best());
   if (!root()) return;
   for (const char* map : {"speed", "status", "projectile_mass", "fulcrum_height", "r1",

@@ -58,7 +58,7 @@ TEST_CASE(
             best = std::max(best, speed[cell]);
           }
       CHECK(best_of(summary).speed == best);
-      CHECK(summary.designs() == lattice.designs());
+      CHECK(summary.tally.designs() == lattice.designs());
     }
   }
 }
@@ -73,7 +73,8 @@ TEST_CASE("The accurate job's speeds are within 1e-7 m/s of those at a tolerance
   job.solver.stepper = "fehlberg78";
   job.solver.tolerance = 1e-12;
   const Summary summary = summary_of(job);
-  CHECK(summary.designs() == summary.statuses[static_cast<std::size_t>(Status::released)]);
+  CHECK(summary.tally.designs() ==
+        summary.tally.statuses[static_cast<std::size_t>(Status::released)]);
   if (root()) {
     const auto truth = read_map(file.path(), "speed");
     std::uint64_t close = 0, different = 0;
@@ -81,7 +82,7 @@ TEST_CASE("The accurate job's speeds are within 1e-7 m/s of those at a tolerance
       close += std::abs(speed[i] - truth[i]) < 1e-7;  // false for NaN
       different += speed[i] != truth[i] && !std::isnan(truth[i]);
     }
-    CHECK(close == summary.designs());
+    CHECK(close == summary.tally.designs());
     CHECK(different > 0);
   }
 }
@@ -94,7 +95,7 @@ TEST_CASE("A sweep of one design gives the same optimum on any number of ranks")
   job.lattice.r2 = AxisRange{4, 4, 1};
   job.scene.gravity = 9.81;
   const Summary summary = summary_of(job);
-  CHECK(summary.designs() == 1);
+  CHECK(summary.tally.designs() == 1);
   CHECK(best_of(summary).speed == Approx(23.7371408230).margin(1e-6));
   CHECK(best_of(summary).design.r2 == 4);
 }
@@ -105,9 +106,9 @@ TEST_CASE("Designs without a release have a status, but neither speed nor releas
   job.lattice.r1 = AxisRange{0.4, 0.6, 0.1};
   job.solver.max_time = 0.7;
   const Summary summary = summary_of(job);
-  const auto count = [&](Status s) { return summary.statuses[static_cast<std::size_t>(s)]; };
-  CHECK(count(Status::unreachable_start) == summary.designs() / 3);
-  CHECK(count(Status::not_released) > summary.designs() / 3);
+  const auto count = [&](Status s) { return summary.tally.statuses[static_cast<std::size_t>(s)]; };
+  CHECK(count(Status::unreachable_start) == summary.tally.designs() / 3);
+  CHECK(count(Status::not_released) > summary.tally.designs() / 3);
   CHECK(count(Status::released) > 0);
   if (root()) {
     const auto speed = read_map(file.path(), "speed"), time = read_map(file.path(), "release_time");
@@ -178,13 +179,13 @@ TEST_CASE("The archive's contents are the summary, which is the same on all rank
   CHECK(same_bits(error.largest, summary.error->largest));
   for (const BestDesign& optimum : summary.optima)
     CHECK(to_numbers(optimum) == mpi::from_root(to_numbers(optimum), MPI_COMM_WORLD));
-  CHECK(summary.utilisation > 0);
-  CHECK(summary.utilisation <= 1);
+  CHECK(summary.tally.utilisation() > 0);
+  CHECK(summary.tally.utilisation() <= 1);
   if (!root()) return;
   const Summary stored = read_contents(file.path()).summary;
-  CHECK(stored.statuses == summary.statuses);
-  CHECK(stored.steps == summary.steps);
-  CHECK(stored.utilisation == summary.utilisation);
+  CHECK(stored.tally.statuses == summary.tally.statuses);
+  CHECK(stored.tally.steps == summary.tally.steps);
+  CHECK(stored.tally.utilisation() == summary.tally.utilisation());
   CHECK(stored.error->largest == summary.error->largest);
   CHECK(stored.complete);
   REQUIRE(stored.optima.size() == summary.optima.size());
@@ -215,13 +216,13 @@ TEST_CASE("A sweep stopped repeatedly produces bitwise the same maps and the sam
     options.tile_edge = runs < 1 ? edge : Index3{7, 7, 7};  // ignored: the sweep has its own
     summary = summary_of(job, options);
     // Every run makes progress.
-    CHECK((summary.designs() > before || before == expected.designs()));
-    before = summary.designs();
+    CHECK((summary.tally.designs() > before || before == expected.tally.designs()));
+    before = summary.tally.designs();
     ++runs;
   } while (!summary.complete && runs < 100);
   CHECK(runs > 3);
-  CHECK(summary.statuses == expected.statuses);
-  CHECK(summary.steps == expected.steps);
+  CHECK(summary.tally.statuses == expected.tally.statuses);
+  CHECK(summary.tally.steps == expected.tally.steps);
   const BestNumbers best = to_numbers(summary.optima[0]),
                     expected_best = to_numbers(expected.optima[0]);
   CHECK(std::equal(best.begin(), best.end(), expected_best.begin(), same_bits));

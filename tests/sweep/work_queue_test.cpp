@@ -1,6 +1,8 @@
 #include "trebsweep/sweep/work_queue.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <functional>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -37,19 +39,17 @@ TEST_CASE("Every number is claimed by one rank, also if ranks are unequally fast
 }
 
 TEST_CASE("Parts become smaller towards the end") {
-  WorkQueue queue(1000, MPI_COMM_SELF);
-  CHECK(queue.claim(1000).end == 250);
-  CHECK(queue.claim(100).end == 350);
-  std::uint64_t left = 650, part = 0;
-  while (left > 0) {
-    const TileRange range = queue.claim(1000);
-    CHECK(range.first == 1000 - left);
-    part = range.end - range.first;
-    left -= part;
-  }
-  CHECK(part == 1);
-  const TileRange none = queue.claim(1);
-  CHECK(none.first == none.end);
+  std::vector<std::uint64_t> parts;
+  share_out(
+      1000, 1000, 1000,
+      [&](const TileRange& range, const auto&) {
+        parts.push_back(range.end - range.first);
+        return parts.back();
+      },
+      never, MPI_COMM_SELF);
+  CHECK(parts.front() == 250);
+  CHECK(std::ranges::is_sorted(parts, std::greater{}));
+  CHECK(parts.back() == 1);
 }
 
 TEST_CASE("A stop on any rank ends all, and what was begun counts as finished") {

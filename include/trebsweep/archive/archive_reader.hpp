@@ -38,9 +38,9 @@ struct ArchiveContents {
   Summary summary;
   std::uint64_t tiles_done = 0;
   std::vector<Tile> tiles;
-  std::array<std::vector<double>, 3> axes;    ///< r1, r3, r2, m
-  std::vector<hsize_t> extents;               ///< of the maps
-  std::vector<std::string> checksum_columns;  ///< of tile_checksum
+  std::array<std::vector<double>, 3> axes;  ///< r1, r3, r2, m
+  std::vector<std::string> maps;            ///< names of their datasets
+  std::vector<hsize_t> extents;             ///< of the maps
 
   std::uint64_t scenes() const { return summary.optima.size(); }
   bool is_study() const { return extents.size() > 3; }

@@ -76,27 +76,39 @@ Dataset open_dataset(hid_t file, const std::string& name);
 Dataset create_dataset(hid_t file, const std::string& name, hid_t type,
                        std::span<const hsize_t> extents, hid_t properties = H5P_DEFAULT);
 
-/// The same with its values, last axis fastest.
+/// Properties of a dataset of one chunk with a checksum; the default ones for a single value, which
+/// HDF5 stores without.
+Properties with_checksum(std::span<const hsize_t> extents);
+
+/// The same with its values, last axis fastest, and with a checksum, so that reading it fails if it
+/// is damaged.
 template <class Number>
 Dataset create_dataset(hid_t file, const std::string& name, std::span<const hsize_t> extents,
                        const std::vector<Number>& values) {
-  Dataset dataset = create_dataset(file, name, native_type<Number>(), extents);
+  Dataset dataset =
+      create_dataset(file, name, native_type<Number>(), extents, with_checksum(extents));
   check(H5Dwrite(dataset, native_type<Number>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
         "write " + name);
   return dataset;
 }
 
+/// A block of a dataset, and the same block in memory.
+struct Selection {
+  Dataspace file, memory;
+};
+Selection select(hid_t dataset, std::span<const hsize_t> first, std::span<const hsize_t> count);
+
 /// Variable-length UTF-8 text, which h5py and netCDF read as str.
 Datatype text_type();
 
-/// Creates or overwrites an attribute. An existing number is overwritten in place.
+/// Creates an attribute.
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, unsigned long long value);
 
-/// Creates an attribute of the given type with some values, or with one if `is_scalar`.
+/// The same with some numbers, of the given type in the file.
 void write_attribute(hid_t object, const std::string& name, hid_t type,
-                     std::span<const double> values, bool is_scalar = false);
+                     std::span<const double> values);
 
 // The functions below read files of any origin. They throw std::runtime_error if an object does not
 // have the expected type and size.

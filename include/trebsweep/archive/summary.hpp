@@ -19,16 +19,10 @@ struct MeasuredError {
 
 /// Result of a sweep, reduced over all ranks.
 struct Summary {
-  StatusCounts statuses{};             ///< designs of each Status
-  std::uint64_t steps = 0;             ///< tried, over all designs
-  double utilisation = 0;              ///< fraction of the lanes' steps with a design
+  Tally tally;                         ///< of all designs
   std::vector<BestDesign> optima;      ///< of each scene, as far as known
   std::optional<MeasuredError> error;  ///< nothing if it was not measured
-  double integration_seconds = 0;      ///< s: mean over the ranks
-  double sweep_seconds = 0;            ///< s: with writing, likewise
   bool complete = true;                ///< false if the sweep was stopped
-
-  std::uint64_t designs() const { return sum(statuses); }
 
   /// The scene with the best optimum; nothing if no design qualifies.
   std::optional<std::uint64_t> best() const { return best_scene(optima); }

@@ -22,7 +22,7 @@ struct TileRange {
 /// Numbered along r2, then r3, then r1, then the scenes.
 class Tiling {
  public:
-  /// `edge` is the extent of a block; blocks at the upper ends of the axes may be smaller.
+  /// `edge` is the largest extent of a block; blocks at the upper ends of the axes may be smaller.
   Tiling(const Study& study, const Index3& edge);
 
   std::uint64_t size() const { return first_of_scene_.back(); }

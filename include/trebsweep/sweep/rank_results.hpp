@@ -39,7 +39,7 @@ class RankResults {
   Totals& totals() { return totals_; }
 
   /// The tiles of this rank, valid until add().
-  std::vector<TileResults> tiles();
+  std::vector<Record> tiles();
 
  private:
   const Tiling& tiling_;

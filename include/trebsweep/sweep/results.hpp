@@ -7,7 +7,6 @@
 
 #include "trebsweep/archive/archive_writer.hpp"
 #include "trebsweep/archive/journal.hpp"
-#include "trebsweep/archive/layout.hpp"
 #include "trebsweep/archive/summary.hpp"
 
 namespace trebsweep {
