@@ -22,6 +22,8 @@ class DamageTest(DirectoryTest):
     """Damages copies of plain0.h5 and its compressed version, plain1.h5."""
 
     JOB_TEXT = JOB
+    SCENE = ""  # of the first tile, in a report
+    TABLES = 8  # datasets with a checksum
 
     @classmethod
     def setUpClass(cls):
@@ -103,21 +105,39 @@ class Flips(DamageTest):
         whole = self.read("plain0.h5")
         with h5py.File(self.path("plain0.h5"), "r+") as archive:
             axes = [archive[name][...] for name in ("r1", "r3", "r2")]
-            edge = archive["tile_block"][0, 4:].tolist()
-            archive["speed"][0, 0, 0] += 1e-9
+            scene, *block = archive["tile_block"][0].tolist()
+            first, edge = block[:3], block[3:]
+            self.assertEqual(scene, 0)
+            inside = (0,) * (archive["speed"].ndim - 3) + tuple(slice(i, i + n) for i, n in zip(first, edge))
+            archive["speed"][inside] += 1e-9
         done = self.run_program("info", "plain0.h5", "--verify", code=1)
-        ranges = ", ".join(f"{name} = {axis[0]} to {axis[count - 1]}"
-                           for name, axis, count in zip(("r1", "r3", "r2"), axes, edge))
-        self.assertIn(f"speed, tile 0: {ranges} m\n", done.stdout)
+        ranges = ", ".join(f"{name} = {axis[start]} to {axis[start + count - 1]}"
+                           for name, axis, start, count in zip(("r1", "r3", "r2"), axes, first, edge))
+        self.assertIn(f"speed, tile 0: {self.SCENE}{ranges} m\n", done.stdout)
         self.assertIn("repeat the command of the sweep with --overwrite", done.stderr)
         self.write("plain0.h5", whole)
 
-    def test_damage_of_numbers_of_designs_and_of_checksums_is_found(self):
+    def test_a_changed_checksum_is_found(self):
         whole = self.read("plain0.h5")
         with h5py.File(self.path("plain0.h5"), "r+") as archive:
-            archive["tile_designs"][2, 8] += 1
             archive["tile_checksum"][4, 1] ^= np.uint64(1)
-        self.assertEqual(self.verify("plain0.h5"), {("tile_designs", 2), ("status", 4)})
+        self.assertEqual(self.verify("plain0.h5"), {("status", 4)})
+        self.write("plain0.h5", whole)
+
+    def test_a_flipped_bit_of_any_table_axis_or_optimum_is_reported_whenever_the_archive_is_read(self):
+        whole = self.read("plain0.h5")
+        with h5py.File(self.path("plain0.h5")) as archive:
+            tables = {name: data.id.get_chunk_info(0) for name, data in archive.items()
+                      if name not in FIELDS and data.id.get_storage_size() > 0 and data.shape}
+        self.assertEqual(len(tables), self.TABLES)
+        for name, chunk in tables.items():
+            damaged = bytearray(whole)
+            damaged[chunk.byte_offset + self.random.randrange(chunk.size)] ^= 1 << self.random.randrange(8)
+            self.write("plain0.h5", bytes(damaged))
+            for option in ((), ("--verify",)):
+                error = self.run_program("info", "plain0.h5", *option, code=1).stderr
+                self.assertIn(f"plain0.h5: cannot read {name}: ", error)
+                self.assertEqual(error.count("\n"), 1)
         self.write("plain0.h5", whole)
 
 

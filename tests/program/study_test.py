@@ -387,61 +387,12 @@ class Stops(resume_test.ResumeTest):
             self.assertEqual(self.files(), before)
 
 
-class Damage(damage_test.DamageTest):
-    """Flipped bits in a study's maps, in the optima of its scenes and in its numbers of designs."""
+class Damage(damage_test.Flips):
+    """Flipped bits in a study's maps, in the optima of its scenes and in its tables."""
 
     JOB_TEXT = f"[scene]\n{AXES}{damage_test.JOB}"
-    SCENES = 12
-
-    def last_tiles(self):
-        """The number of the last tile of each scene."""
-        with h5py.File(self.path("plain0.h5")) as study:
-            best = study["tile_checksum"].attrs["columns"].split().index("best")
-            return np.flatnonzero(study["tile_checksum"][:, best]).tolist()
-
-    def flip_number(self, name, dataset, index):
-        """Flips a random bit of a number in a contiguous dataset, in the file."""
-        with h5py.File(self.path(name)) as archive:
-            data = archive[dataset]
-            place = data.id.get_offset() + data.dtype.itemsize * int(np.ravel_multi_index(index, data.shape))
-            size = data.dtype.itemsize
-        with open(self.path(name), "r+b") as file:
-            file.seek(place)
-            number = bytearray(file.read(size))
-            number[self.random.randrange(size)] ^= 1 << self.random.randrange(8)
-            file.seek(place)
-            file.write(number)
-
-    def damage(self, name, last):
-        """Damages each kind of data in tiles up to `last`. Returns what info --verify must report."""
-        ends = [tile for tile in self.last_tiles() if tile <= last]
-        found = {(map_name, tile) for map_name, tile in zip(damage_test.FIELDS, self.random.sample(range(last + 1), len(damage_test.FIELDS)))}
-        for map_name, tile in found:
-            self.flip(name, map_name, tile)
-        for dataset, scene in zip(resume_test.OPTIMUM, self.random.sample(range(len(ends)), min(len(ends), 3))):
-            self.flip_number(name, dataset, np.unravel_index(scene, (len(MASSES), len(HEIGHTS))))
-            found.add(("best", ends[scene]))
-        tile = self.random.randrange(last + 1)
-        self.flip_number(name, "tile_designs", (tile, 1))
-        return found | {("tile_designs", tile)}
-
-    def test_damage_of_maps_optima_and_numbers_of_designs_is_found(self):
-        for compression in (0, 1):
-            name = f"plain{compression}.h5"
-            whole = self.read(name)
-            self.assertEqual(len(self.last_tiles()), self.SCENES)
-            self.assertEqual(self.verify(name), set())
-            for _ in range(5):
-                damage = self.damage(name, self.tiles(name) - 1)
-                self.assertEqual(self.verify(name), damage)
-                self.write(name, whole)
-
-    def test_the_report_names_the_scene(self):
-        whole = self.read("plain0.h5")
-        self.flip_number("plain0.h5", "best_r2", (1, 2))
-        text = self.run_program("info", "plain0.h5", "--verify", code=1).stdout
-        self.assertIn(f"damaged   best, tile {self.last_tiles()[6]}: projectile-mass = 125 kg, fulcrum-height = 1.6 m, r1 = ", text)
-        self.write("plain0.h5", whole)
+    SCENE = "projectile-mass = 50 kg, fulcrum-height = 1.4 m, "
+    TABLES = 18
 
 
 if __name__ == "__main__":
