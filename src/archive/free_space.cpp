@@ -1,11 +1,8 @@
 #include "trebsweep/archive/free_space.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <limits>
 #include <stdexcept>
 
@@ -28,20 +25,6 @@ std::uintmax_t size_limit() {
              : std::numeric_limits<std::uintmax_t>::max();
 }
 
-/// Whether a quota forbids a file of the given size, found by allocating it for a moment. False if
-/// the file system cannot allocate without writing.
-bool quota_forbids([[maybe_unused]] const fs::path& path, [[maybe_unused]] std::uintmax_t bytes) {
-  int error = 0;
-#ifdef __linux__
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) return false;  // creating the real file will report why
-  if (fallocate(file, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes)) != 0) error = errno;
-  close(file);
-  unlink(path.c_str());
-#endif
-  return error == EDQUOT || error == ENOSPC;
-}
-
 /// The size that a file needs, why it cannot have it, and what to do.
 std::string shortage_text(std::uintmax_t bytes, const std::string& why) {
   return fmt::format(
@@ -60,11 +43,11 @@ std::string size_text(std::uintmax_t bytes) {
 }
 
 void require_space(const Job& job, const fs::path& path, std::uintmax_t bytes, std::uintmax_t all) {
-  const auto fail = [&](std::uintmax_t size, const std::string& why) {
-    throw std::runtime_error(fmt::format("{} {}", path.string(), shortage_text(size, why)));
-  };
   if (const auto limit = size_limit(); bytes > limit)
-    fail(bytes, fmt::format("but the file size limit (ulimit -f) is {}", size_text(limit)));
+    throw std::runtime_error(fmt::format(
+        "{} {}", path.string(),
+        shortage_text(bytes,
+                      fmt::format("but the file size limit (ulimit -f) is {}", size_text(limit)))));
   const fs::path directory = directory_of(path);
   std::error_code error;
   const auto space = fs::space(directory, error);
@@ -72,8 +55,6 @@ void require_space(const Job& job, const fs::path& path, std::uintmax_t bytes, s
     refuse_output(job, shortage_text(all, fmt::format("but only {} ({} bytes) are available in {}",
                                                       size_text(space.available), space.available,
                                                       directory.string())));
-  if (quota_forbids(path, all))
-    fail(all, fmt::format("more than a quota in {} allows", directory.string()));
 }
 
 std::string reached_limit(const fs::path& path) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "trebsweep/base/text_table.hpp"
+
 namespace trebsweep {
 namespace {
 
@@ -23,29 +25,25 @@ bool is_text(const Column& column) {
   return std::holds_alternative<std::vector<std::string>>(column.values);
 }
 
-/// Creates a dataset of n values; they are yet to be written.
-hdf5::Dataset create(hid_t group, const std::string& name, hid_t type, std::size_t n) {
-  const std::string what = "create column " + name;
-  const hsize_t count = n;
-  const hdf5::Dataspace space(H5Screate_simple(1, &count, nullptr), what);
-  return {H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-          what};
+hdf5::Dataset create(hid_t group, const std::string& name, const std::vector<double>& numbers) {
+  const hsize_t count = numbers.size();
+  return hdf5::create_dataset(group, name, {&count, 1}, numbers);
 }
 
-void write_column(hid_t group, const Column& column, hid_t rows, std::size_t n) {
+hdf5::Dataset create(hid_t group, const std::string& name, const std::vector<std::string>& texts) {
+  std::vector<const char*> pointers;
+  for (const std::string& text : texts) pointers.push_back(text.c_str());
+  const hsize_t count = texts.size();
+  const hdf5::Datatype type = hdf5::text_type();
+  hdf5::Dataset dataset = hdf5::create_dataset(group, name, type, {&count, 1});
+  check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()), "write " + name);
+  return dataset;
+}
+
+void write_column(hid_t group, const Column& column, hid_t rows) {
   const std::string what = "write column " + column.name;
-  const hdf5::Datatype text_type = hdf5::text_type();
-  const hdf5::Dataset dataset =
-      create(group, column.name, is_text(column) ? text_type : hid_t{H5T_IEEE_F64LE}, n);
-  if (const auto* texts = std::get_if<std::vector<std::string>>(&column.values)) {
-    std::vector<const char*> pointers;
-    for (const std::string& text : *texts) pointers.push_back(text.c_str());
-    check(H5Dwrite(dataset, text_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()), what);
-  } else {
-    const auto& numbers = std::get<std::vector<double>>(column.values);
-    check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()),
-          what);
-  }
+  const hdf5::Dataset dataset = std::visit(
+      [&](const auto& values) { return create(group, column.name, values); }, column.values);
   check(H5DSattach_scale(dataset, rows, 0), what);
   hdf5::write_attribute(dataset, "long_name", column.meaning);
   if (!column.units.empty()) hdf5::write_attribute(dataset, "units", column.units);
@@ -61,23 +59,16 @@ std::size_t Table::rows() const {
 std::string to_text(const Table& table) {
   const auto is_printed = [](const Column& column) { return column.printed; };
   if (std::none_of(table.columns.begin(), table.columns.end(), is_printed)) return "";
-  std::string text = table.meaning + "\n";
-  std::vector<std::string> lines(table.rows() + 2);
+  std::vector<TextColumn> columns;
   for (const Column& column : table.columns) {
     if (!column.printed) continue;
-    std::vector<std::string> cells{column.name, column.units == "1" ? "" : column.units};
-    for (std::size_t row = 0; row < table.rows(); ++row) cells.push_back(cell(column, row));
-    std::size_t width = 0;
-    for (const std::string& c : cells) width = std::max(width, c.size());
-    const char* const gap = lines[0].empty() ? "" : "  ";
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      lines[i] += is_text(column) ? fmt::format("{}{:<{}}", gap, cells[i], width)
-                                  : fmt::format("{}{:>{}}", gap, cells[i], width);
+    TextColumn printed{{column.name, column.units == "1" ? "" : column.units}, is_text(column)};
+    for (std::size_t row = 0; row < table.rows(); ++row) printed.cells.push_back(cell(column, row));
+    columns.push_back(std::move(printed));
   }
-  for (std::string& line : lines) {
-    line.erase(line.find_last_not_of(' ') + 1);
+  std::string text = table.meaning + "\n";
+  for (const std::string& line : aligned(columns))
     if (!line.empty()) text += line + "\n";  // the line of units may be empty
-  }
   return text;
 }
 
@@ -88,12 +79,11 @@ void write(const hdf5::File& file, const Table& table) {
   hdf5::write_attribute(group, "title", table.meaning);
   const std::size_t n = table.rows();
   if (n == 0) return;
-  const hdf5::Dataset rows = create(group, "row", H5T_IEEE_F64LE, n);
   std::vector<double> numbers(n);
   std::iota(numbers.begin(), numbers.end(), 0.0);
-  check(H5Dwrite(rows, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()), what);
+  const hdf5::Dataset rows = create(group, "row", numbers);
   check(H5DSset_scale(rows, "row"), what);
-  for (const Column& column : table.columns) write_column(group, column, rows, n);
+  for (const Column& column : table.columns) write_column(group, column, rows);
 }
 
 }  // namespace trebsweep

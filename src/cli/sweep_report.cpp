@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "trebsweep/base/number.hpp"
+#include "trebsweep/base/text_table.hpp"
 #include "trebsweep/job/key.hpp"
 #include "trebsweep/job/study.hpp"
 
@@ -67,8 +68,6 @@ std::string to_text(const MeasuredError& error, Field objective) {
   return text;
 }
 
-using Row = std::vector<std::string>;
-
 /// The numbers of the scenes with an optimum, the largest value first.
 std::vector<std::uint64_t> ranking(const std::vector<BestDesign>& optima) {
   std::vector<std::uint64_t> scenes;
@@ -79,65 +78,57 @@ std::vector<std::uint64_t> ranking(const std::vector<BestDesign>& optima) {
   return scenes;
 }
 
-/// The names of the columns and their units.
-std::array<Row, 2> header(const Job& job) {
-  Row names, units;
-  const auto add = [&](const std::string& name, const std::string& unit) {
-    names.push_back(name);
-    units.push_back(unit);
+/// The values of the outer axes and the optima of some scenes.
+std::vector<TextColumn> columns(const std::vector<BestDesign>& optima, const Job& job,
+                                const std::vector<std::uint64_t>& scenes) {
+  std::vector<TextColumn> all;
+  const auto add = [&](std::string_view name, const std::string& unit, auto cell) {
+    TextColumn column{{std::string(name), unit}};
+    for (const std::uint64_t scene : scenes) column.cells.push_back(cell(scene));
+    all.push_back(std::move(column));
   };
-  for (const OuterAxis& axis : job.outer_axes) add(axis.name(), key_of(axis).unit);
-  const FieldInfo& objective = info(job.optimum.objective);
-  add(std::string(objective.name), unit_text(objective.units));
-  for (const char* length : {"r1", "r2", "r3"}) add(length, "m");
-  add("error", unit_text(objective.units));
-  return {names, units};
-}
-
-Row row(const Job& job, std::uint64_t scene, const BestDesign& optimum) {
-  Row cells;
-  const auto index = outer_index(job, scene);
-  for (std::size_t a = 0; a < index.size(); ++a)
-    cells.push_back(fmt::format("{}", job.outer_axes[a].values[index[a]]));
-  cells.push_back(fmt::format("{:.8g}", optimum.value));
-  for (const double length : {optimum.design.r1, optimum.design.r2, optimum.design.r3})
-    cells.push_back(fmt::format("{:.7g}", length));
-  cells.push_back(std::isnan(optimum.error) ? "-" : fmt::format("{:.1g}", optimum.error));
-  return cells;
-}
-
-/// Rows with right-aligned columns, a line for each.
-std::string aligned(const std::vector<Row>& rows) {
-  std::vector<std::size_t> widths(rows.front().size(), 0);
-  for (const Row& cells : rows)
-    for (std::size_t c = 0; c < cells.size(); ++c) widths[c] = std::max(widths[c], cells[c].size());
-  std::string text;
-  for (const Row& cells : rows) {
-    text += "\n        ";
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      text += fmt::format("  {:>{}}", cells[c], widths[c]);
+  for (std::size_t a = 0; const OuterAxis& axis : job.outer_axes) {
+    add(axis.name(), key_of(axis).unit, [&](std::uint64_t scene) {
+      return fmt::format("{}", axis.values[outer_index(job, scene)[a]]);
+    });
+    ++a;
   }
-  return text;
+  const FieldInfo& objective = info(job.optimum.objective);
+  const std::string unit = unit_text(objective.units);
+  add(objective.name, unit,
+      [&](std::uint64_t scene) { return fmt::format("{:.8g}", optima[scene].value); });
+  const std::array lengths{std::pair{"r1", &Design<double>::r1},
+                           std::pair{"r2", &Design<double>::r2},
+                           std::pair{"r3", &Design<double>::r3}};
+  for (const auto& length : lengths)
+    add(length.first, "m", [&](std::uint64_t scene) {
+      return fmt::format("{:.7g}", optima[scene].design.*length.second);
+    });
+  add("error", unit, [&](std::uint64_t scene) {
+    const double error = optima[scene].error;
+    return std::isnan(error) ? "-" : fmt::format("{:.1g}", error);
+  });
+  return all;
 }
 
 /// Scenes without an optimum are counted, together with those not done unless the sweep is
 /// complete.
 std::string scene_table(const Summary& summary, const Job& job) {
   constexpr std::size_t all = 20, best = 10;
-  const auto scenes = ranking(summary.optima);
-  const bool is_long = scenes.size() > all;
+  auto scenes = ranking(summary.optima);
+  const std::size_t without = summary.optima.size() - scenes.size();
   std::string text = fmt::format("scenes    {}", summary.optima.size());
-  if (scenes.size() < summary.optima.size())
-    text += fmt::format(", {} {}without an optimum", summary.optima.size() - scenes.size(),
-                        summary.complete ? "" : "not done or ");
+  if (without > 0)
+    text +=
+        fmt::format(", {} {}without an optimum", without, summary.complete ? "" : "not done or ");
   if (scenes.empty()) return text;
-  if (is_long) text += fmt::format("; the {} best, and the worst", best);
-  const auto [names, units] = header(job);
-  std::vector<Row> rows{names, units};
-  for (std::size_t n = 0; n < (is_long ? best : scenes.size()); ++n)
-    rows.push_back(row(job, scenes[n], summary.optima[scenes[n]]));
-  if (is_long) rows.push_back(row(job, scenes.back(), summary.optima[scenes.back()]));
-  return text + aligned(rows);
+  if (scenes.size() > all) {
+    text += fmt::format("; the {} best, and the worst", best);
+    scenes.erase(scenes.begin() + best, scenes.end() - 1);
+  }
+  for (const std::string& line : aligned(columns(summary.optima, job, scenes)))
+    text += "\n          " + line;
+  return text;
 }
 
 }  // namespace

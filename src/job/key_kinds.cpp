@@ -1,5 +1,6 @@
 #include "trebsweep/job/key_kinds.hpp"
 
+#include <algorithm>
 #include <boost/algorithm/string.hpp>
 #include <cmath>
 
@@ -12,37 +13,52 @@ bool is_readable_back(const std::string& path) {
          path.find_first_of("#\n\r\"") == std::string::npos;
 }
 
-AxisRange to_axis(const std::string& key, const std::string& text) {
-  const std::string allowed =
-      "first:last:step with a step above 0 and first <= last, or a single value, in metres, each "
-      "from 1e-12 to 1e+12";
-  std::vector<std::string> parts;
-  boost::split(parts, text, boost::is_any_of(":"));
-  std::vector<double> numbers;
-  for (const std::string& part : parts) {
-    double x = 0;
-    if (!parse_number(part, x) || !physical.contains(x)) refuse(key, text, allowed);
-    numbers.push_back(x);
-  }
-  if (numbers.size() == 1) return {numbers[0], numbers[0], 1};
-  if (numbers.size() != 3 || numbers[0] > numbers[1]) refuse(key, text, allowed);
-  const AxisRange axis{numbers[0], numbers[1], numbers[2]};
-  check_steps(key, text, axis);
-  return axis;
+[[noreturn]] void refuse_range(const std::string& key, const std::string& text,
+                               const std::string& alternative) {
+  refuse(key, text, "first:last:step with a step above 0 and first <= last, or " + alternative);
 }
 
-}  // namespace
+AxisRange to_axis(const std::string& key, const std::string& text) {
+  const std::string value = "a single value, in metres, each from 1e-12 to 1e+12";
+  const auto parse = [&](const std::string& part) {
+    double x = 0;
+    if (!parse_number(part, x) || !physical.contains(x)) refuse_range(key, text, value);
+    return x;
+  };
+  if (text.find(':') != text.npos) return to_range(key, text, parse, value);
+  const double x = parse(text);
+  return {x, x, 1};
+}
 
-void check_steps(const std::string& key, const std::string& text, const AxisRange& axis) {
-  const double steps = (axis.last - axis.first) / axis.step;
+/// Throws InputError unless stepping from the first value of a range reaches its last one.
+void check_steps(const std::string& key, const std::string& text, const AxisRange& range) {
+  const double steps = (range.last - range.first) / range.step;
   // In steps: decimals are rounded to doubles, relative to the magnitude of the last value.
-  const double rounding_allowance = 1e-9 + 1e-15 * std::abs(axis.last) / axis.step;
+  const double rounding_allowance = 1e-9 + 1e-15 * std::abs(range.last) / range.step;
   if (std::abs(steps - std::round(steps)) <= rounding_allowance) return;
-  const auto value_after = [&](double n) { return axis.first + n * axis.step; };
+  const auto value_after = [&](double n) { return range.first + n * range.step; };
   refuse(key, text,
          fmt::format("a range whose last value is an integer number of steps from the first; the "
                      "nearest are {:.15g} and {:.15g}",
                      value_after(std::floor(steps)), value_after(std::ceil(steps))));
+}
+
+}  // namespace
+
+AxisRange to_range(const std::string& key, const std::string& text,
+                   const std::function<double(const std::string&)>& parse,
+                   const std::string& alternative) {
+  std::vector<std::string> parts;
+  boost::split(parts, text, boost::is_any_of(":"));
+  for (std::string& part : parts) boost::trim(part);
+  double step = 0;
+  if (parts.size() != 3 || std::ranges::count(parts, "") > 0 || text.find(',') != text.npos ||
+      !parse_number(parts[2], step) || !(step > 0) || !std::isfinite(step))
+    refuse_range(key, text, alternative);
+  const AxisRange range{parse(parts[0]), parse(parts[1]), step};
+  if (range.first > range.last) refuse_range(key, text, alternative);
+  check_steps(key, text, range);
+  return range;
 }
 
 std::vector<std::string> to_words(const std::string& text) {

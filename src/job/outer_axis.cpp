@@ -8,15 +8,12 @@
 #include <cmath>
 
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/base/number.hpp"
 #include "trebsweep/job/key_kinds.hpp"
 
 namespace trebsweep {
 namespace {
 
 constexpr double max_values = 1e6;
-
-bool is_blank(const std::string& text) { return boost::trim_copy(text).empty(); }
 
 /// Throws InputError if two neighbours among ascending values are equal.
 void require_distinct(const std::string& key, const std::string& text,
@@ -28,15 +25,7 @@ void require_distinct(const std::string& key, const std::string& text,
 /// The values of first:last:step.
 std::vector<double> range_values(const std::string& key, const std::string& text,
                                  const std::function<double(const std::string&)>& parse) {
-  std::vector<std::string> parts;
-  boost::split(parts, text, boost::is_any_of(":"));
-  double step = 0;
-  if (parts.size() != 3 || std::ranges::any_of(parts, is_blank) || text.find(',') != text.npos ||
-      !parse_number(parts[2], step) || !(step > 0) || !std::isfinite(step))
-    refuse(key, text, "first:last:step with a step above 0, or numbers separated by commas");
-  const double first = parse(parts[0]), last = parse(parts[1]);
-  if (first > last) refuse(key, text, "first:last:step with first <= last");
-  check_steps(key, text, {first, last, step});
+  const auto [first, last, step] = to_range(key, text, parse, "numbers separated by commas");
   const double steps = std::round((last - first) / step);
   if (steps + 1 > max_values)
     refuse(key, text, fmt::format("a range of at most {:.0f} values", max_values));
@@ -54,8 +43,9 @@ std::vector<double> list_values(const std::string& key, const std::string& text,
   boost::split(parts, text, boost::is_any_of(","));
   std::vector<double> values;
   for (const std::string& part : parts) {
-    if (is_blank(part)) refuse(key, text, "numbers separated by commas, or first:last:step");
-    values.push_back(parse(boost::trim_copy(part)));
+    const std::string number = boost::trim_copy(part);
+    if (number.empty()) refuse(key, text, "numbers separated by commas, or first:last:step");
+    values.push_back(parse(number));
   }
   std::ranges::sort(values);
   require_distinct(key, text, values);

@@ -12,13 +12,13 @@ namespace {
 
 /// The objective of a design, integrated accurately.
 double accurate_value(const Job& job, const Design<double>& design) {
-  const std::vector<Field> fields = additional_fields({job.optimum.objective});
-  std::vector<SwingResult> results(1);
-  std::vector<double> values(fields.size());
-  const Batch batch{{&design, 1}, results, fields, values};
-  integrate_accurately(job.scene, job.solver, batch);
+  const Field objective = job.optimum.objective;
+  const std::vector<Field> fields = additional_fields({objective});
+  SwingResult result;
   double value = 0;
-  for_each_value(batch, job.optimum.objective, [&](std::size_t, double v) { value = v; });
+  const Batch batch{{&design, 1}, {&result, 1}, fields, {&value, fields.size()}};
+  integrate_accurately(job.scene, job.solver, batch);
+  for_each_value(batch, objective, [&](std::size_t, double v) { value = v; });
   return value;
 }
 

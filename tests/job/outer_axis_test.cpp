@@ -58,7 +58,7 @@ TEST_CASE("A bad range or list is refused with the key, the text and what is all
     CHECK_THROWS_AS(axis(text), InputError);
     CHECK_THROWS_WITH(axis(text), contains("scene.x = ") && contains(why));
   };
-  refused("2:1:0.5", "must be first:last:step with first <= last");
+  refused("2:1:0.5", "must be first:last:step with a step above 0 and first <= last");
   refused("1:2", "must be first:last:step with a step above 0");
   refused("1:2:3:4", "must be first:last:step");
   refused("1:2:0", "step above 0");

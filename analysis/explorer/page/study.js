@@ -24,13 +24,17 @@ function studiedValues(key, text) {
   return values;
 }
 
+function refuseRange(key, text) {
+  refuse(key.name, text, "first:last:step with a step above 0 and first <= last, or numbers separated by commas");
+}
+
 function rangeValues(key, text) {
   const parts = text.split(":").map((part) => part.trim());
   const step = parseNumber(parts[2]);
   if (parts.length !== 3 || parts.includes("") || text.includes(",") || !(step > 0) || !Number.isFinite(step))
-    refuse(key.name, text, "first:last:step with a step above 0, or numbers separated by commas");
+    refuseRange(key, text);
   const [first, last] = parts.slice(0, 2).map((part) => valueOf(key, part));
-  if (first > last) refuse(key.name, text, "first:last:step with first <= last");
+  if (first > last) refuseRange(key, text);
   checkSteps(key.name, text, first, last, step);
   const count = Math.round((last - first) / step) + 1;
   if (count > most) refuse(key.name, text, `a range of at most ${most} values`);

@@ -56,8 +56,12 @@ KeyKind<Field> quantity();
 /// A list of constraints, separated by commas, possibly empty.
 KeyKind<std::vector<Constraint>> constraints();
 
-/// Throws InputError unless stepping from the first value of a range reaches its last one.
-void check_steps(const std::string& key, const std::string& text, const AxisRange& axis);
+/// The range of a text first:last:step, whose ends `parse` reads and checks. Throws InputError,
+/// naming `alternative` as what else the key allows, also if no number of steps reaches the last
+/// value.
+AxisRange to_range(const std::string& key, const std::string& text,
+                   const std::function<double(const std::string&)>& parse,
+                   const std::string& alternative);
 
 /// The words of a list, separated by commas, spaces or both.
 std::vector<std::string> to_words(const std::string& text);
