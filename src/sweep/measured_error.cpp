@@ -165,12 +165,6 @@ std::vector<Index3> notable_indices(const Study& study, std::uint64_t scene, con
   return indices;
 }
 
-/// Adds the errors of the checks with a speed to others.
-void add_errors(std::span<const Check> checks, std::vector<double>& errors) {
-  for (const Check& c : checks)
-    if (!std::isnan(c.error())) errors.push_back(c.error());
-}
-
 /// The error of the best design's speed, m/s; NaN if it is not among the checks or has no release.
 /// Collective.
 double error_at_best(const Job& job, const BestDesign& best, const std::vector<Check>& checks,
@@ -216,17 +210,13 @@ std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
       if (is_measured(c)) sample.checks.push_back(c);
     }
   };
-  const std::size_t spread = sample_size(lattice, job);
-  std::vector<Index3> sampled = sample_indices(lattice, spread);
-  const auto notable = notable_indices(study, scene, totals);
-  const auto others = std::partition(sampled.begin(), sampled.end(), [&](const Index3& index) {
-    return std::ranges::find(notable, index) != notable.end();
-  });
   // Notable designs are few: measured however long they take.
-  add({sampled.begin(), others}, true, patient);
-  add({others, sampled.end()}, false, hurried);
-  sample.spread = sample.checks.size();
-  add(notable, true, patient);
+  add(notable_indices(study, scene, totals), true, patient);
+  const std::size_t spread = sample_size(lattice, job);
+  const auto sampled = sample_indices(lattice, spread);
+  add(sampled, false, hurried);
+  const std::set<Index3> is_spread(sampled.begin(), sampled.end());
+  for (Check& c : sample.checks) c.spread = is_spread.contains(lattice.index_of(c.design));
   for (const double fraction : {1.0 / 8, 1.0 / 16}) {
     // fmax(NaN, x) is x.
     const auto worst = std::max_element(sample.checks.begin(), sample.checks.end(),
@@ -276,20 +266,22 @@ std::optional<std::vector<ErrorSample>> check_scenes(const Study& study, const T
 
 std::optional<MeasuredError> measured_error(std::span<const ErrorSample> samples,
                                             std::uint64_t scene) {
-  std::vector<double> spread, all;
-  double at_best = nan, largest = nan;
+  std::vector<double> spread;
+  MeasuredError error{nan, nan, nan, 0};
   for (const ErrorSample& sample : samples) {
-    add_errors(std::span(sample.checks).first(sample.spread), spread);
-    add_errors(sample.checks, all);
-    largest = std::fmax(largest, sample.at_best);  // fmax(NaN, x) is x
-    if (sample.scene == scene) at_best = sample.at_best;
+    for (const Check& c : sample.checks) {
+      if (std::isnan(c.error())) continue;
+      if (c.spread) spread.push_back(c.error());
+      error.largest = std::fmax(error.largest, c.error());  // fmax(NaN, x) is x
+      ++error.designs;
+    }
+    error.largest = std::fmax(error.largest, sample.at_best);
+    if (sample.scene == scene) error.at_optimum = sample.at_best;
   }
-  if (all.empty()) return std::nullopt;
+  if (error.designs == 0) return std::nullopt;
   std::ranges::sort(spread);
-  return MeasuredError{.median = spread.empty() ? nan : spread[spread.size() / 2],
-                       .largest = std::fmax(largest, std::ranges::max(all)),
-                       .at_optimum = at_best,
-                       .designs = all.size()};
+  if (!spread.empty()) error.median = spread[spread.size() / 2];
+  return error;
 }
 
 }  // namespace trebsweep

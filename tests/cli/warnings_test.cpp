@@ -61,7 +61,7 @@ std::vector<std::string> warnings_of(const Job& job, const BestDesign& optimum,
                                      const std::optional<MeasuredError>& error = {}) {
   SweepResult result = result_of({optimum});
   result.summary.error = error;
-  result.samples = {ErrorSample{0, checks, 0, 0}};
+  result.samples = {ErrorSample{0, checks, 0}};
   return warnings(Study(job), result);
 }
 
@@ -257,7 +257,7 @@ TEST_CASE("The warnings of a study name the scene, and count those on the edge o
       result_of({best_at({0, 5, 1}, 3), best_at({4, 5, 1}, 2), best_at({4, 0, 1}, 1)});
   const Check impossible{
       result.summary.optima[0].design, 3, 1.5, 3, 1, no_value, Status::released, Status::released};
-  result.samples = {ErrorSample{0, {}, 0, 0}, ErrorSample{2, {impossible}, 1, 0}};
+  result.samples = {ErrorSample{0, {}, 0}, ErrorSample{2, {impossible}, 0}};
   const auto lines = warnings(study, result);
   REQUIRE(lines.size() == 3);
   CHECK_THAT(lines[0], contains("the best scene, projectile-mass = 50 kg: the optimum lies on the "

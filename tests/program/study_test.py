@@ -181,11 +181,10 @@ class BadInput(CommandTest):
         self.assert_axis_refused("0, 1, 4", "= 4: must be a number from -3.14159265 to 3.14159265", key="sling-angle")
 
     def test_malformed_ranges_are_refused(self):
-        for text in ("200:50:10", "50:49:1"):
-            self.assert_axis_refused(text, f"{text}: must be first:last:step with first <= last")
-        for text in (":", "::", "50:60", "50::10", ":60:10", "50:60:", "50:60:10:5", "50:60:0", "60:50:-10", "50:60:nan",
+        for text in ("200:50:10", "50:49:1", ":", "::", "50:60", "50::10", ":60:10", "50:60:", "50:60:10:5", "50:60:0", "60:50:-10", "50:60:nan",
                      "50:60:inf", "50:60:5, 70", "50, 60:70:5"):
-            self.assert_axis_refused(text, "must be first:last:step with a step above 0, or numbers separated by commas")
+            self.assert_axis_refused(text, f"{text}: must be first:last:step with a step above 0 and first <= last, or "
+                                           "numbers separated by commas")
         self.assert_axis_refused("50:200:70", "50:200:70: must be a range whose last value is an integer number of steps from "
                                               "the first; the nearest are 190 and 260")
         for text in ("1:1e12:1", "50:200:1e-300", "1:2:1e-9"):

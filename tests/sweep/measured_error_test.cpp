@@ -233,15 +233,16 @@ TEST_CASE("The scenes that are checked include those of the optimum and of rare 
 }
 
 TEST_CASE("The error of a study is pooled over the scenes that were checked") {
-  const auto check_with = [](double error) {
+  const auto check_with = [](double error, bool spread) {
     Check check{};
     check.speed = 1 + error;
     check.accurate_speed = 1;
+    check.spread = spread;
     return check;
   };
   const std::array<ErrorSample, 2> samples{
-      ErrorSample{0, {check_with(0.25), check_with(0.5), check_with(8)}, 2, 0.125},
-      ErrorSample{3, {check_with(2), check_with(4)}, 1, 16}};
+      ErrorSample{0, {check_with(8, false), check_with(0.25, true), check_with(0.5, true)}, 0.125},
+      ErrorSample{3, {check_with(2, true), check_with(4, false)}, 16}};
   const auto error = measured_error(samples, 3);
   REQUIRE(error);
   CHECK(error->median == 0.5);

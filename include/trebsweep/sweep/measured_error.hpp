@@ -23,6 +23,7 @@ struct Check {
   /// of each status; else NaN.
   double slack, objective;
   Status status, accurate_status;
+  bool spread = false;  ///< whether it is one of those spread evenly over the lattice
 
   /// m/s; NaN if either swing has no release.
   double error() const { return std::abs(speed - accurate_speed); }
@@ -32,7 +33,6 @@ struct Check {
 struct ErrorSample {
   std::uint64_t scene = 0;
   std::vector<Check> checks;
-  std::size_t spread = 0;  ///< how many of the checks, the first ones, are spread over the lattice
   /// The error of the speed of its lattice's best design, m/s.
   double at_best = std::numeric_limits<double>::quiet_NaN();
 };
