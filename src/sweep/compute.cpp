@@ -87,9 +87,8 @@ std::span<const Row> take(std::span<const Row> rows, std::size_t count, const La
 }
 
 /// Adds the results of a row and its designs' objectives to its tile.
-void store(const Study& study, const Batch& batch, std::span<const double> objectives,
-           const Row& row, ComputedTile& tile) {
-  const std::vector<Field> fields = stored_fields(study.job().output);
+void store(const Study& study, const std::vector<Field>& fields, const Batch& batch,
+           std::span<const double> objectives, const Row& row, ComputedTile& tile) {
   for (std::size_t f = 0; f < fields.size(); ++f) {
     double* const map = tile.maps[f].data() + row.cell;
     const bool flag = is_flag(fields[f]);
@@ -112,8 +111,9 @@ std::vector<ComputedTile> compute(const std::vector<Tile>& tiles, const Study& s
   constexpr std::uint64_t max_count = 4096;
   std::uint64_t lane_steps = 0, count = 16;
   std::vector<ComputedTile> computed(tiles.size());
+  const std::vector<Field> fields = stored_fields(job.output);
   for (std::size_t t = 0; t < tiles.size(); ++t)
-    for (const Field field : stored_fields(job.output))
+    for (const Field field : fields)
       computed[t].maps.emplace_back(tiles[t].block.cells(), fill_value(field));
   const std::vector<Row> rows = rows_of(tiles, study);
   std::span<const Row> left = rows;
@@ -133,8 +133,8 @@ std::vector<ComputedTile> compute(const std::vector<Tile>& tiles, const Study& s
     count = std::min(next_count(count, MPI_Wtime() - start, 0.2), max_count);
     const std::vector<double> values = objectives(slice.batch(), job);
     for (std::size_t n = 0; const Row& row : taken) {
-      store(study, slice.batch().slice(n, row.count), std::span(values).subspan(n, row.count), row,
-            computed[row.tile]);
+      store(study, fields, slice.batch().slice(n, row.count),
+            std::span(values).subspan(n, row.count), row, computed[row.tile]);
       n += row.count;
     }
     begun = taken.back().tile + 1;
