@@ -80,15 +80,16 @@ extern "C" {
 [[clang::export_name("integrate")]] void integrate(std::size_t count, std::size_t field_count,
                                                    double tolerance) {
   solver.tolerance = tolerance;
-  with_compiled_effects(
-      [=]<Effects E>() { integrate_batch<E>(shared_batch(count, field_count), nullptr); });
+  with_general_effects(
+      scene, [=]<Effects E>() { integrate_batch<E>(shared_batch(count, field_count), nullptr); });
 }
 
 /// See trace_swing().
 [[clang::export_name("trace")]] std::size_t trace(std::size_t field_count, double tolerance) {
   solver.tolerance = tolerance;
   std::size_t count = 0;
-  with_compiled_effects([&]<Effects E>() { count = trace_swing<E>(shared_batch(1, field_count)); });
+  with_general_effects(scene,
+                       [&]<Effects E>() { count = trace_swing<E>(shared_batch(1, field_count)); });
   return count;
 }
 

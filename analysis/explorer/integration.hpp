@@ -34,17 +34,6 @@ auto make_stepper() {
   return any_stepper<Number, E, Vern8<Number, E>>(solver);
 }
 
-/// Calls f.operator()<Effects>() with the effects of the scene. Friction of the pivot, possibly
-/// zero, is always among them, which halves the module.
-template <class F>
-void with_compiled_effects(F f) {
-  Scene with_friction = scene;
-  with_friction.pivot_viscosity = 1;
-  with_effects(with_friction, [&]<Effects E>() {
-    if constexpr (E.pivot) f.template operator()<E>();
-  });
-}
-
 /// Integrates a batch by the job; `steps`, if not null, receives those of a single design.
 template <Effects E>
 void integrate_batch(const Batch& batch, std::vector<Step<E>>* steps) {

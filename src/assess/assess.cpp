@@ -48,7 +48,7 @@ std::vector<Table> assess(const Job& job, const AssessOptions& options, MPI_Comm
   mpi::on_root(comm, [&] { output = reserve_output(job, options.overwrite); });
   std::vector<Case> cases = make_cases(job, options.job_name, comm);
 
-  report("references in quadruple precision");
+  report("references in extended precision");
   compute_references(cases, comm);
   std::vector<Table> tables{reference_table(cases)};
 

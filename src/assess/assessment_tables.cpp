@@ -61,7 +61,7 @@ void add_quantiles(Table& table, const std::string& prefix, const std::string& u
 
 Table reference_table(const std::vector<Case>& cases) {
   Table table{"reference",
-              "References: vern8 in quadruple precision, with bounds of their own errors"};
+              "References: vern8 in extended precision, with bounds of their own errors"};
   const auto largest = [](double Reference::*member) {
     return [=](const Case& c) {
       double bound = nan;

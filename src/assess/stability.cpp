@@ -163,7 +163,7 @@ double largest_stable_step(const std::string& stepper, const std::vector<Spectru
 double error_of_steps(const std::string& stepper, const Scene& scene, const Design<double>& design,
                       const Reference& reference, const StepCounts& steps) {
   const Phases durations = phases(scene, design, reference);
-  return with_effects(scene, [&]<Effects E>() {
+  return with_general_effects(scene, [&]<Effects E>() {
     return is_for_packs(stepper)
                ? error_in<long double, E>(stepper, scene, design, reference, durations, steps)
                : error_in<double, E>(stepper, scene, design, reference, durations, steps);
@@ -230,8 +230,8 @@ Growth growth_with(const std::string& stepper, const Scene& scene, const Design<
 
 Growth growth(const std::string& stepper, const Scene& scene, const Design<double>& design,
               double h, double time) {
-  return with_effects(scene,
-                      [&]<Effects E>() { return growth_with<E>(stepper, scene, design, h, time); });
+  return with_general_effects(
+      scene, [&]<Effects E>() { return growth_with<E>(stepper, scene, design, h, time); });
 }
 
 double observed_order(const std::string& stepper, const Scene& scene,

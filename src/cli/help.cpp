@@ -41,7 +41,7 @@ is chosen, unless --lattice.increment gives it. Every design is integrated
 accurately, by vern8, whatever the job's stepper; the release window becomes a
 crossing. jobs/README.md explains the output.
 
-Prints the optimum with its error, determined in quadruple precision; the limits
+Prints the optimum with its error, determined in extended precision; the limits
 that it reaches and how much the optimum grows with each; how far each length may
 be off before 1 % of the value is lost; with optimum.deviation the worst and the
 expected value of designs whose lengths are off by up to that; the number of
@@ -100,7 +100,7 @@ const char* const assess_help =
        mpirun -n RANKS trebsweep assess JOB [options]
 
 Compares steppers on a sample of the designs of each scene in
-assess.scenes, with references in quadruple precision: error, steps and run time
+assess.scenes, with references in extended precision: error, steps and run time
 of each setting, order of convergence, largest stable step, error over the whole
 lattice, and the cheapest solver for a target error. The tables go to stdout and
 to the archive (output.file, by default JOB-assess.h5), where each is a group

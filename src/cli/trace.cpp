@@ -212,7 +212,7 @@ Traced trace(const Job& job, const Design<double>& design, std::optional<double>
              std::FILE* out) {
   check_start(job.scene, design);
   check_interval(interval, job.solver.max_time, "max-time");
-  return with_effects(job.scene, [&]<Effects E>() {
+  return with_general_effects(job.scene, [&]<Effects E>() {
     if (!interval && follows_tolerance(job.solver.stepper)) interval = default_interval;
     // Once for the comments, and again for the rows below them.
     const auto events = follow_swing<E>(job, design, {});
@@ -228,7 +228,7 @@ Traced trace_flight(const Job& job, const Design<double>& design, std::optional<
                     std::FILE* out) {
   const Scene& scene = job.scene;
   check_start(scene, design);
-  return with_effects(scene, [&]<Effects E>() {
+  return with_general_effects(scene, [&]<Effects E>() {
     constexpr std::array fields{Field::range};  // a release below the ground then has its status
     const auto events = follow_swing<E>(job, design, fields);
     const Outcome<double, E>& end = events.outcome;

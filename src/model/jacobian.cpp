@@ -18,26 +18,16 @@ Jacobian<E> jacobian(const Motion<double, E>& motion, const State<double, E>& x)
   return derivatives;
 }
 
-static_assert(all_effects.size() == 10);
-template Jacobian<all_effects[0]> jacobian(const Motion<double, all_effects[0]>&,
-                                           const State<double, all_effects[0]>&);
-template Jacobian<all_effects[1]> jacobian(const Motion<double, all_effects[1]>&,
-                                           const State<double, all_effects[1]>&);
-template Jacobian<all_effects[2]> jacobian(const Motion<double, all_effects[2]>&,
-                                           const State<double, all_effects[2]>&);
-template Jacobian<all_effects[3]> jacobian(const Motion<double, all_effects[3]>&,
-                                           const State<double, all_effects[3]>&);
-template Jacobian<all_effects[4]> jacobian(const Motion<double, all_effects[4]>&,
-                                           const State<double, all_effects[4]>&);
-template Jacobian<all_effects[5]> jacobian(const Motion<double, all_effects[5]>&,
-                                           const State<double, all_effects[5]>&);
-template Jacobian<all_effects[6]> jacobian(const Motion<double, all_effects[6]>&,
-                                           const State<double, all_effects[6]>&);
-template Jacobian<all_effects[7]> jacobian(const Motion<double, all_effects[7]>&,
-                                           const State<double, all_effects[7]>&);
-template Jacobian<all_effects[8]> jacobian(const Motion<double, all_effects[8]>&,
-                                           const State<double, all_effects[8]>&);
-template Jacobian<all_effects[9]> jacobian(const Motion<double, all_effects[9]>&,
-                                           const State<double, all_effects[9]>&);
+static_assert(general_effects.size() == 5);
+template Jacobian<general_effects[0]> jacobian(const Motion<double, general_effects[0]>&,
+                                               const State<double, general_effects[0]>&);
+template Jacobian<general_effects[1]> jacobian(const Motion<double, general_effects[1]>&,
+                                               const State<double, general_effects[1]>&);
+template Jacobian<general_effects[2]> jacobian(const Motion<double, general_effects[2]>&,
+                                               const State<double, general_effects[2]>&);
+template Jacobian<general_effects[3]> jacobian(const Motion<double, general_effects[3]>&,
+                                               const State<double, general_effects[3]>&);
+template Jacobian<general_effects[4]> jacobian(const Motion<double, general_effects[4]>&,
+                                               const State<double, general_effects[4]>&);
 
 }  // namespace trebsweep

@@ -17,7 +17,7 @@ namespace {
 /// integrate() for a stepper that integrates one design at a time.
 Work integrate_one_by_one(const Scene& scene, const Solver& solver, const Batch& batch) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  return with_effects(scene, [&]<Effects E>() {
+  return with_general_effects(scene, [&]<Effects E>() {
     Work work{};
     for (std::size_t i = 0; i < batch.designs.size(); ++i) {
       const auto [designs, results, fields, values] = batch.slice(i, 1);

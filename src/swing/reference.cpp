@@ -1,6 +1,5 @@
 #include "trebsweep/swing/reference.hpp"
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 
 #include "trebsweep/ode/stepper.hpp"
@@ -9,30 +8,31 @@
 namespace trebsweep {
 namespace {
 
-using Quad = boost::multiprecision::cpp_bin_float_quad;
+using Wide = long double;
+static_assert(std::numeric_limits<Wide>::digits >= 64, "references need more digits than double");
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double loose_tolerance = 1e-14, tight_tolerance = 1e-16;
 
 template <Effects E>
-Outcome<Quad, E> swing_at(double tolerance, const Scene& scene, const Design<double>& design,
+Outcome<Wide, E> swing_at(double tolerance, const Scene& scene, const Design<double>& design,
                           Solver solver, std::span<const Field> fields = {},
                           std::span<double> values = {}) {
   solver.release = located(solver.release);
   solver.tolerance = tolerance;
-  return swing_by<Quad, E>(Vern8<Quad, E>(), scene, design, solver, {}, fields, values);
+  return swing_by<Wide, E>(Vern8<Wide, E>(), scene, design, solver, {}, fields, values);
 }
 
 /// A bound of the error of a result: its distance from the other one, plus rounding to double.
-double bound(const Quad& result, const Quad& other) {
-  return static_cast<double>(abs(Quad(result - other))) +
+double bound(const Wide& result, const Wide& other) {
+  return static_cast<double>(std::abs(result - other)) +
          std::numeric_limits<double>::epsilon() / 2 * std::abs(static_cast<double>(result));
 }
 
 /// The values of fields of a swing at a tolerance, rounded to double; NaN without a release.
 std::vector<double> values_at(double tolerance, const Scene& scene, const Design<double>& design,
                               const Solver& solver, std::span<const Field> fields) {
-  return with_effects(scene, [&]<Effects E>() {
+  return with_general_effects(scene, [&]<Effects E>() {
     std::vector<double> values(fields.size(), nan);
     const auto outcome = swing_at<E>(tolerance, scene, design, solver, fields, values);
     if (!has_speed(outcome.status)) return std::vector<double>(fields.size(), nan);
@@ -47,15 +47,14 @@ std::vector<double> values_at(double tolerance, const Scene& scene, const Design
 }  // namespace
 
 Reference reference(const Scene& scene, const Design<double>& design, const Solver& solver) {
-  return with_effects(scene, [&]<Effects E>() {
+  return with_general_effects(scene, [&]<Effects E>() {
     const auto loose = swing_at<E>(loose_tolerance, scene, design, solver);
     const auto tight = swing_at<E>(tight_tolerance, scene, design, solver);
     Reference r{tight.status, nan, nan, {}, nan, nan};
-    for (std::size_t i = 0; i < coordinates<E>; ++i)
-      r.state[i] = static_cast<long double>(tight.x[i]);
+    for (std::size_t i = 0; i < coordinates<E>; ++i) r.state[i] = tight.x[i];
     if (!has_speed(tight.status)) return r;
     r.speed = static_cast<double>(tight.speed);
-    r.release_time = static_cast<long double>(tight.t);
+    r.release_time = tight.t;
     if (loose.status != tight.status) return r;
     r.speed_bound = bound(tight.speed, loose.speed);
     r.time_bound = bound(tight.t, loose.t);
@@ -78,12 +77,10 @@ std::vector<ReferenceValue> reference_values(const Scene& scene, const Design<do
 
 double speed_in_extended_precision(const Scene& scene, const Design<double>& design,
                                    double tolerance, const Solver& solver) {
-  return with_effects(scene, [&]<Effects E>() {
+  return with_general_effects(scene, [&]<Effects E>() {
     Solver limits = solver;
     limits.max_steps = 100'000;
-    limits.release = located(limits.release);
-    limits.tolerance = tolerance;
-    const auto outcome = swing_by<long double, E>(Vern8<long double, E>(), scene, design, limits);
+    const auto outcome = swing_at<E>(tolerance, scene, design, limits);
     return has_speed(outcome.status) ? static_cast<double>(outcome.speed) : nan;
   });
 }

@@ -21,7 +21,7 @@ std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, 
   solver.stepper = "rosenbrock4";
   solver.release = located(solver.release);
   solver.tolerance = 1e-5;
-  return with_effects(scene, [&]<Effects E>() {
+  return with_general_effects(scene, [&]<Effects E>() {
     Motion<double, E> motion(scene, design);
     // The step in the trough that ends at the lift-off has no normal force at its end.
     const double small_force = 1e-6 * scene.projectile_mass * scene.gravity;

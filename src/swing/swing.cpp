@@ -44,36 +44,26 @@ Outcome<double, E> swing(const Scene& scene, const Design<double>& design, const
   return outcome;
 }
 
-static_assert(all_effects.size() == 10);
-template Outcome<double, all_effects[0]> swing(const Scene&, const Design<double>&, const Solver&,
-                                               const Observer<all_effects[0]>&,
-                                               std::span<const Field>, std::span<double>);
-template Outcome<double, all_effects[1]> swing(const Scene&, const Design<double>&, const Solver&,
-                                               const Observer<all_effects[1]>&,
-                                               std::span<const Field>, std::span<double>);
-template Outcome<double, all_effects[2]> swing(const Scene&, const Design<double>&, const Solver&,
-                                               const Observer<all_effects[2]>&,
-                                               std::span<const Field>, std::span<double>);
-template Outcome<double, all_effects[3]> swing(const Scene&, const Design<double>&, const Solver&,
-                                               const Observer<all_effects[3]>&,
-                                               std::span<const Field>, std::span<double>);
-template Outcome<double, all_effects[4]> swing(const Scene&, const Design<double>&, const Solver&,
-                                               const Observer<all_effects[4]>&,
-                                               std::span<const Field>, std::span<double>);
-template Outcome<double, all_effects[5]> swing(const Scene&, const Design<double>&, const Solver&,
-                                               const Observer<all_effects[5]>&,
-                                               std::span<const Field>, std::span<double>);
-template Outcome<double, all_effects[6]> swing(const Scene&, const Design<double>&, const Solver&,
-                                               const Observer<all_effects[6]>&,
-                                               std::span<const Field>, std::span<double>);
-template Outcome<double, all_effects[7]> swing(const Scene&, const Design<double>&, const Solver&,
-                                               const Observer<all_effects[7]>&,
-                                               std::span<const Field>, std::span<double>);
-template Outcome<double, all_effects[8]> swing(const Scene&, const Design<double>&, const Solver&,
-                                               const Observer<all_effects[8]>&,
-                                               std::span<const Field>, std::span<double>);
-template Outcome<double, all_effects[9]> swing(const Scene&, const Design<double>&, const Solver&,
-                                               const Observer<all_effects[9]>&,
-                                               std::span<const Field>, std::span<double>);
+static_assert(general_effects.size() == 5);
+template Outcome<double, general_effects[0]> swing(const Scene&, const Design<double>&,
+                                                   const Solver&,
+                                                   const Observer<general_effects[0]>&,
+                                                   std::span<const Field>, std::span<double>);
+template Outcome<double, general_effects[1]> swing(const Scene&, const Design<double>&,
+                                                   const Solver&,
+                                                   const Observer<general_effects[1]>&,
+                                                   std::span<const Field>, std::span<double>);
+template Outcome<double, general_effects[2]> swing(const Scene&, const Design<double>&,
+                                                   const Solver&,
+                                                   const Observer<general_effects[2]>&,
+                                                   std::span<const Field>, std::span<double>);
+template Outcome<double, general_effects[3]> swing(const Scene&, const Design<double>&,
+                                                   const Solver&,
+                                                   const Observer<general_effects[3]>&,
+                                                   std::span<const Field>, std::span<double>);
+template Outcome<double, general_effects[4]> swing(const Scene&, const Design<double>&,
+                                                   const Solver&,
+                                                   const Observer<general_effects[4]>&,
+                                                   std::span<const Field>, std::span<double>);
 
 }  // namespace trebsweep

@@ -37,10 +37,11 @@ void check_jacobian(const test::Sample<E>& sample, double sliding) {
 TEST_CASE("The Jacobian equals the difference quotients of the rates, with every effect") {
   std::mt19937 random(7);
   test::for_all_effects([&]<Effects E>() {
-    for (int i = 0; i < 200; ++i) {
-      const auto sample = test::random_sample<E>(random);
-      check_jacobian(sample, 1);
-      if (E.trough) check_jacobian(sample, 0);
-    }
+    if constexpr (E.pivot)
+      for (int i = 0; i < 200; ++i) {
+        const auto sample = test::random_sample<E>(random);
+        check_jacobian(sample, 1);
+        if (E.trough) check_jacobian(sample, 0);
+      }
   });
 }

@@ -162,7 +162,7 @@ TEST_CASE("The paper's optimum is that of Nelder and Mead's search in extended p
 }
 #endif
 
-TEST_CASE("Value, release time, gradient and Hessian are those of quadruple precision") {
+TEST_CASE("Value, release time, gradient and Hessian are those of extended precision") {
   if (!is_alone()) return;
   const Job job = job_with({{"lattice.r1", "0.53:0.8:0.01"}});
   const OptimumResult found = optimum_of(job);

@@ -73,7 +73,7 @@ Optimum optimum_of(const Job& job, const Design<double>& start) {
 
 }  // namespace
 
-TEST_CASE("Sensitivities of the paper's optimum are differences of quadruple precision") {
+TEST_CASE("Sensitivities of the paper's optimum are differences of extended precision") {
   const Job job;
   const DesignProblem problem = design_problem(job, paper);
   for (const std::string& name : numeric_scene_keys(job)) {

@@ -179,7 +179,7 @@ TEST_CASE("Lanes agree with the same swing in scalars") {
         });
     const auto designs = some_designs();
     for (std::size_t i = 0; i < lanes.size(); ++i) {
-      const auto scalar = swing<Effects{}>(Scene{}, designs[i], solver);
+      const auto scalar = swing<general_effects[0]>(Scene{}, designs[i], solver);
       CHECK(lanes[i].status == scalar.status);
       CHECK(lanes[i].speed == Approx(scalar.speed).margin(1e-8));
       CHECK(lanes[i].t == Approx(scalar.t).margin(1e-9));

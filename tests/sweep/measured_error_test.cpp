@@ -102,7 +102,7 @@ TEST_CASE("The measured error is bitwise the same on any number of ranks") {
     REQUIRE(together.checks[i].accurate_speed == alone.checks[i].accurate_speed);
 }
 
-TEST_CASE("The error at the optimum is that of quadruple precision") {
+TEST_CASE("The error at the optimum is that of extended precision") {
   for (const double tolerance : {1e-6, 1e-9, 1e-13}) {
     Job job = medium_job();
     job.solver.tolerance = tolerance;

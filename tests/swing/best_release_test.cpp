@@ -178,7 +178,7 @@ TEST_CASE("Releases farthest and fastest have the largest range and speed of a f
   };
   std::map<Release, std::vector<Largest>> all_truths;
   for (const RandomSwing& swing : swings)
-    with_effects(swing.machine.scene, [&]<Effects E>() {
+    with_general_effects(swing.machine.scene, [&]<Effects E>() {
       const auto instants = sample_releases<E>(swing);
       for (const Release rule : {Release::farthest, Release::fastest})
         all_truths[rule].push_back(largest_value<E>(swing.machine, instants, rule));
@@ -303,7 +303,7 @@ TEST_CASE("A pin releases when its angle is first fallen to after the lift-off")
   for (RandomSwing& swing : random_swings(100)) {
     swing.max_time = std::min(swing.max_time, 5 * time_scale(swing.machine));
     for (const double angle : {0.3, 1.3, 2.3}) {
-      const double time = with_effects(swing.machine.scene,
+      const double time = with_general_effects(swing.machine.scene,
                                        [&]<Effects E>() { return first_fall<E>(swing, angle); });
       for (const Solver& solver : {solver_of("vern8", 1e-10, {}), solver_of("dopri5", 1e-9, {}),
                                    solver_of("rk4", 1e-3, {})}) {
@@ -327,7 +327,7 @@ TEST_CASE("A pin releases where its angle is only grazed within a step") {
   for (RandomSwing& swing : random_swings(100)) {
     swing.max_time = std::min(swing.max_time, 5 * time_scale(swing.machine));
     const Minimum minimum =
-        with_effects(swing.machine.scene, [&]<Effects E>() { return first_minimum<E>(swing); });
+        with_general_effects(swing.machine.scene, [&]<Effects E>() { return first_minimum<E>(swing); });
     if (std::isnan(minimum.t) || minimum.t < 1e-3) continue;
     for (const Solver& solver : {solver_of("vern8", 1e-11, {}), solver_of("fehlberg78", 1e-11, {}),
                                  solver_of("dopri5", 1e-10, {})}) {

@@ -124,7 +124,7 @@ TEST_CASE("Angles and flight at the release follow from its state") {
         for (const double value : v) CHECK(std::isnan(value));
         continue;
       }
-      with_effects(m.scene, [&]<Effects E>() {
+      with_general_effects(m.scene, [&]<Effects E>() {
         const auto x = swing<E>(m.scene, m.design, solver).x;
         const auto [r1, r3, r2] = m.design;
         const double g = m.scene.gravity, h0 = m.scene.fulcrum_height;

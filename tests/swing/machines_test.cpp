@@ -62,7 +62,7 @@ struct Found {
 /// By swing().
 Found swing_alone(const Machine& m, const Solver& solver) {
   std::array<double, 2> values;
-  const SwingResult result = with_effects(m.scene, [&]<Effects E>() {
+  const SwingResult result = with_general_effects(m.scene, [&]<Effects E>() {
     return result_of(swing<E>(m.scene, m.design, solver, {}, fields, values), values);
   });
   return {result, values[0], values[1]};
@@ -101,7 +101,7 @@ TEST_CASE("Swings of known machines agree with three other programs") {
     }
 }
 
-TEST_CASE("Swings of known machines agree with quadruple precision by every rule of release") {
+TEST_CASE("Swings of known machines agree with extended precision by every rule of release") {
   for (const std::string name : {"A", "D"})
     for (const Release release :
          {Release::crossing, Release::pin, Release::farthest, Release::fastest}) {

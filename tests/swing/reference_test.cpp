@@ -1,11 +1,13 @@
 #include "trebsweep/swing/reference.hpp"
 
+#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 
 #include "support/catch.hpp"
 #include "support/machines.hpp"
 #include "support/paper_solver.hpp"
 #include "trebsweep/swing/integrate.hpp"
+#include "trebsweep/swing/swing_by.hpp"
 
 using namespace trebsweep;
 
@@ -155,6 +157,34 @@ TEST_CASE("Accurate values of all quantities agree with references to 1e-11") {
         CHECK(bound <= 1e-12 * size);
       }
     }
+}
+
+TEST_CASE("References agree with quadruple precision within their bounds") {
+  using Quad = boost::multiprecision::cpp_bin_float_quad;
+  const auto check = []<Effects E>(const Machine& m, Release release) {
+    Solver solver;
+    solver.release = release;
+    solver.pin_angle = 0.3;
+    solver.tolerance = 1e-16;
+    const auto fields = quantities();
+    std::vector<double> values(fields.size());
+    const auto swing =
+        swing_by<Quad, E>(Vern8<Quad, E>(), m.scene, m.design, solver, {}, fields, values);
+    const auto references = reference_values(m.scene, m.design, solver, fields);
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      const double truth = fields[f] == Field::speed          ? static_cast<double>(swing.speed)
+                           : fields[f] == Field::release_time ? static_cast<double>(swing.t)
+                                                              : values[f];
+      INFO(info(fields[f]).name << " of " << m.scene.counterweight_mass << " kg");
+      CHECK(std::abs(references[f].value - truth) <= references[f].bound);
+    }
+  };
+  for (const Machine& m : machines())
+    for (const Release release : {Release::crossing, Release::pin, Release::fastest})
+      with_general_effects(m.scene, [&]<Effects E>() {
+        // Quadruple precision takes long to compile: two of the sets, which have all terms.
+        if constexpr (E.elastic || (E.hanger && E.trough)) check.operator()<E>(m, release);
+      });
 }
 
 TEST_CASE("Accurate values along a line of designs are smooth to 1e-12") {

@@ -11,8 +11,8 @@ using namespace trebsweep;
 
 namespace {
 
-constexpr Effects fixed{.trough = true}, hinged{.hanger = true, .trough = true};
-constexpr Effects hinged_with_friction{.pivot = true, .hanger = true, .trough = true};
+constexpr Effects fixed{.pivot = true, .trough = true};
+constexpr Effects hinged{.pivot = true, .hanger = true, .trough = true};
 
 Solver solver_with(const std::string& stepper, double setting) {
   return solver_of(stepper, setting, {});
@@ -305,10 +305,10 @@ TEST_CASE("Dry friction holds a beam in the trough") {
   for (const std::string stepper : {"euler", "rk4", "fehlberg78", "vern8", "dopri5"}) {
     Solver solver = solver_with(stepper, follows_tolerance(stepper) ? 1e-9 : 1e-2);
     solver.max_time = 2;
-    const auto held = swing<hinged_with_friction>(m.scene, m.design, solver);
+    const auto held = swing<hinged>(m.scene, m.design, solver);
     INFO(stepper);
     CHECK(name_of(held.status) == "never_lifted");
-    CHECK(held.x == start<double, hinged_with_friction>(m.scene, m.design));
+    CHECK(held.x == start<double, hinged>(m.scene, m.design));
     CHECK(name_of(swing_of(m, solver).result.status) == "never_lifted");
   }
 }
@@ -317,14 +317,14 @@ TEST_CASE("A projectile that slides through below the arm's tip keeps its energy
   // There, the arm turns back, against dry friction.
   Machine m = too_heavy_projectile();
   m.scene.pivot_friction = 5;
-  const Mechanism<double, hinged_with_friction> mechanism(m.scene, m.design);
-  const auto initial = start<double, hinged_with_friction>(m.scene, m.design);
+  const Mechanism<double, hinged> mechanism(m.scene, m.design);
+  const auto initial = start<double, hinged>(m.scene, m.design);
   double loss = 0;  // by the short steps of rk4
   for (const std::string stepper : {"rk4", "dopri5", "vern8"}) {
     Solver solver = solver_with(stepper, stepper == "rk4" ? 1e-4 : 1e-10);
     solver.max_time = 1.4;
     int turns = 0;
-    const auto end = swing<hinged_with_friction>(
+    const auto end = swing<hinged>(
         m.scene, m.design, solver, [&](const auto& from, const auto& to) {
           if (stepper == "rk4")
             loss += m.scene.pivot_friction * std::abs(to.x[phi1] - from.x[phi1]);

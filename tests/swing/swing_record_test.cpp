@@ -30,7 +30,7 @@ Solver accurate(double tolerance) {
 std::vector<double> values_of(const Scene& scene, const std::vector<Field>& fields,
                               double tolerance = 1e-10) {
   std::vector<double> values(fields.size());
-  const double speed = with_effects(scene, [&]<Effects E>() {
+  const double speed = with_general_effects(scene, [&]<Effects E>() {
     return swing<E>(scene, optimum, accurate(tolerance), {}, fields, values).speed;
   });
   values.push_back(speed);
@@ -144,7 +144,7 @@ TEST_CASE("Recorded peaks of every stepper equal those of a fine sampling of its
   elastic.sling_damping = 500;
   int swings = 0;
   for (const Scene& scene : {Scene{}, friction, elastic})
-    with_effects(scene, [&]<Effects E>() {
+    with_general_effects(scene, [&]<Effects E>() {
       auto designs = sample(Lattice(scene, LatticeSpec()), 6);
       designs.push_back(optimum);
       const double weight = scene.projectile_mass * scene.gravity;
@@ -293,7 +293,7 @@ TEST_CASE("A sling under tension throughout is taut; one that would have to push
 TEST_CASE("A beam held by dry friction stays at rest and has no release") {
   Scene scene;
   scene.pivot_friction = 1e6;
-  const auto outcome = swing<Effects{true, false}>(scene, optimum, accurate(1e-9));
+  const auto outcome = swing<general_effects[0]>(scene, optimum, accurate(1e-9));
   CHECK(outcome.status == Status::not_released);
   CHECK(outcome.x[w1] == 0);
   CHECK(outcome.x[phi1] == start<double>(scene, optimum)[phi1]);
@@ -307,7 +307,7 @@ TEST_CASE("Friction brings an oscillating arm to rest") {
   Solver solver = accurate(1e-8);
   solver.max_time = 60;
   solver.stepper = "dopri5";
-  const auto outcome = swing<Effects{true, false}>(scene, optimum, solver);
+  const auto outcome = swing<general_effects[0]>(scene, optimum, solver);
   CHECK(outcome.status == Status::not_released);
   CHECK(std::abs(outcome.x[w1]) < 1e-6);
 }
@@ -319,7 +319,7 @@ TEST_CASE("A release below the ground has its own status and no range") {
   scene.fulcrum_height = 0.1;
   scene.release_height = 0.5;
   const Design<double> deep{0.51, 3, 0.4};
-  const auto result = swing<Effects{}>(scene, deep, accurate(1e-9), {}, fields, values);
+  const auto result = swing<general_effects[0]>(scene, deep, accurate(1e-9), {}, fields, values);
   REQUIRE(scene.fulcrum_height + Mechanism<double>(scene, deep).projectile(result.x).y < 0);
   CHECK(result.status == Status::released_below_ground);
   CHECK(std::isnan(values[0]));

@@ -81,15 +81,34 @@ inline bool is_dissipative(const Scene& scene) {
   return scene.pivot_viscosity > 0 || scene.pivot_friction > 0 || scene.sling_damping > 0;
 }
 
-/// Calls f.operator()<Effects>() with the effects of a scene. Throws std::logic_error if they are
-/// not one of all_effects.
-template <std::size_t I = 0, class F>
-auto with_effects(const Scene& scene, F&& f) {
-  if (effects(scene) == all_effects[I]) return f.template operator()<all_effects[I]>();
-  if constexpr (I + 1 < all_effects.size())
-    return with_effects<I + 1>(scene, f);
+/// Those with a pivot, whose friction may be zero: what does not integrate whole lattices is
+/// compiled for these only. Zero friction changes no result, and costs a tenth of the time.
+inline constexpr std::array<Effects, 5> general_effects{
+    all_effects[1], all_effects[3], all_effects[5], all_effects[7], all_effects[9]};
+
+/// Calls f.operator()<E>() with the one of `sets` that equals some effects. Throws std::logic_error
+/// if none does.
+template <const auto& sets, std::size_t I = 0, class F>
+auto with_one_of(const Effects& effects, F&& f) {
+  if (effects == sets[I]) return f.template operator()<sets[I]>();
+  if constexpr (I + 1 < sets.size())
+    return with_one_of<sets, I + 1>(effects, f);
   else
     throw std::logic_error("no equations for this combination of effects");
+}
+
+/// Calls f.operator()<E>() with the effects of a scene.
+template <class F>
+auto with_effects(const Scene& scene, F&& f) {
+  return with_one_of<all_effects>(effects(scene), f);
+}
+
+/// The same with the one of general_effects.
+template <class F>
+auto with_general_effects(const Scene& scene, F&& f) {
+  Effects with_pivot = effects(scene);
+  with_pivot.pivot = true;
+  return with_one_of<general_effects>(with_pivot, f);
 }
 
 /// One point of the design space, in metres.

@@ -43,7 +43,7 @@ struct OptimumResult {
   Field objective;
   Design<double> design;
   double value;         ///< of the objective
-  double error;         ///< of the value: its distance from the value in quadruple precision
+  double error;         ///< of the value: its distance from the value in extended precision
   double release_time;  ///< s
   /// Whether the conditions of Karush, Kuhn and Tucker hold. Not where a function has a kink at the
   /// optimum, or designs next to it have no release.

@@ -118,24 +118,22 @@ class ReleaseQueue {
 
   /// Returns the lanes that are below the ground, if a field of the flight is requested.
   LaneMask write_fields(Stepper& stepper, const Mechanism<T, E>& mechanism) {
+    if (fields_.empty()) return 0;
+    auto& [design, motion, from, to, record] = pending_;
+    if (request_.steps())
+      record = record_step(record, request_, stepper, solver_.tolerance, motion, mechanism, from,
+                           to, step_between(from, to));
     LaneMask below_ground = 0;
-    if constexpr (has_fields<T>) {
-      if (fields_.empty()) return 0;
-      auto& [design, motion, from, to, record] = pending_;
-      if (request_.steps())
-        record = record_step(record, request_, stepper, solver_.tolerance, motion, mechanism, from,
-                             to, step_between(from, to));
-      Flight<T> flight{};
-      if (flying_) {
-        flight = trebsweep::flight(scene_, mechanism.projectile(to.x), mechanism.velocity(to.x));
-        // Even where very strong drag prevents a range, there is an apex above the ground.
-        below_ground = lanes_of(!(flight.apex >= T(0)));
-      }
-      for (std::size_t f = 0; f < fields_.size(); ++f) {
-        const T value = value_at_release(fields_[f], mechanism, to.x, record, flight);
-        for (std::size_t lane = 0; lane < size_; ++lane)
-          values_[index_[lane] * fields_.size() + f] = static_cast<double>(get_lane(value, lane));
-      }
+    Flight<T> flight{};
+    if (flying_) {
+      flight = trebsweep::flight(scene_, mechanism.projectile(to.x), mechanism.velocity(to.x));
+      // Even where very strong drag prevents a range, there is an apex above the ground.
+      below_ground = lanes_of(!(flight.apex >= T(0)));
+    }
+    for (std::size_t f = 0; f < fields_.size(); ++f) {
+      const T value = value_at_release(fields_[f], mechanism, to.x, record, flight);
+      for (std::size_t lane = 0; lane < size_; ++lane)
+        values_[index_[lane] * fields_.size() + f] = static_cast<double>(get_lane(value, lane));
     }
     return below_ground;
   }

@@ -108,9 +108,8 @@ class RestartQueue {
     if (rule_.chooses())
       best.try_step(((LaneMask{1} << size) - 1) & ~lanes_of(sliding), solver_.release, state.motion,
                     mechanism, from, to, h, record);
-    if constexpr (has_fields<T>)
-      record = record_step(record, request_, stepper, solver_.tolerance, state.motion, mechanism,
-                           from, to, h);
+    record = record_step(record, request_, stepper, solver_.tolerance, state.motion, mechanism,
+                         from, to, h);
     if constexpr (E.trough) {
       record.lift_off_time = select(sliding, to.t, record.lift_off_time);
       record.projectile_clearance =

@@ -14,11 +14,6 @@
 
 namespace trebsweep {
 
-/// Whether fields are computed in a number type. In extended precision, only the speed is needed,
-/// which compiles faster.
-template <class T>
-inline constexpr bool has_fields = !std::is_same_v<T, long double>;
-
 /// The time of the lift-off, extremes of the loads, and the energy lost, from the start of a swing
 /// on. Only what the fields need is recorded.
 template <class T>

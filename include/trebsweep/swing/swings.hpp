@@ -118,8 +118,7 @@ class Swings {
   /// of all lanes.
   void follow(LaneMask mask, const Instant& from, const Instant& to, const T& h) {
     if (rule_.chooses()) search(mask & ~sliding_lanes(), from, to, h);
-    if constexpr (has_fields<T>)
-      if (request_.steps()) record(from, to, h);
+    if (request_.steps()) record(from, to, h);
   }
 
   [[gnu::noinline]] void record(const Instant& from, const Instant& to, const T& h) {
