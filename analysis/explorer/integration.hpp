@@ -23,15 +23,16 @@ template <Effects E>
 struct Recorder {
   std::vector<Step<E>>* steps;
 
+  explicit operator bool() const { return steps != nullptr; }
   void operator()(const Moment<E>& from, const Moment<E>& to) const {
-    if (steps != nullptr) steps->push_back({from, to});
+    steps->push_back({from, to});
   }
 };
 
 /// AnyStepper keeps the module small: a step is compiled once, not in each place that takes one.
 template <Effects E>
 auto make_stepper() {
-  return any_stepper<Number, E, Vern8<Number, E>>(solver);
+  return any_stepper<Number, E, Vern8<Number, E>>();
 }
 
 /// Integrates a batch by the job; `steps`, if not null, receives those of a single design.

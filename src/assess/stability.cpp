@@ -10,7 +10,7 @@
 #include "trebsweep/assess/accuracy.hpp"
 #include "trebsweep/model/jacobian.hpp"
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/any_stepper.hpp"
+#include "trebsweep/ode/advance.hpp"
 #include "trebsweep/ode/rosenbrock_step.hpp"
 #include "trebsweep/ode/stepper.hpp"
 #include "trebsweep/swing/integrate.hpp"

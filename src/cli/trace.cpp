@@ -12,7 +12,7 @@
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/cli/followed_swing.hpp"
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/any_stepper.hpp"
+#include "trebsweep/ode/advance.hpp"
 #include "trebsweep/swing/flight.hpp"
 #include "trebsweep/swing/load_samples.hpp"
 #include "trebsweep/swing/swing.hpp"

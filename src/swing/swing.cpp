@@ -1,19 +1,61 @@
 #include "trebsweep/swing/swing.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
-#include "trebsweep/ode/any_stepper.hpp"
-#include "trebsweep/ode/bulirsch_stoer.hpp"
+#include "trebsweep/ode/steppers.hpp"
+#include "trebsweep/swing/kernel.hpp"
 #include "trebsweep/swing/swing_by.hpp"
 
 namespace trebsweep {
-
 namespace {
 
 template <Effects E>
-struct Step {
-  Instant<double, E> from, to;
-};
+Instant<double, E> typed(const PlainInstant& at) {
+  Instant<double, E> instant{at.t, {}, {}, {}};
+  std::copy_n(at.x.begin(), instant.x.size(), instant.x.begin());
+  std::copy_n(at.directions.begin(), instant.directions.size(), instant.directions.begin());
+  std::copy_n(at.dxdt.begin(), instant.dxdt.size(), instant.dxdt.begin());
+  return instant;
+}
+
+/// By a stepper for packs.
+template <Effects E>
+Outcome<double, E> swing_in_lane(const Scene& scene, const Design<double>& design,
+                                 const Solver& solver, const Observer<E>& observe,
+                                 std::span<const Field> fields, std::span<double> values) {
+  ObservedSwing observed;
+  if (observe)
+    observed.step = [&](const PlainInstant& from, const PlainInstant& to) {
+      observe(typed<E>(from), typed<E>(to));
+    };
+  SwingResult result;
+  const Work work =
+      integrate_packs(scene, solver, {{&design, 1}, {&result, 1}, fields, values}, &observed);
+  Outcome<double, E> outcome{result.status,  observed.t,   {},
+                             observed.speed, result.steps, work.evaluations};
+  std::copy_n(observed.x.begin(), outcome.x.size(), outcome.x.begin());
+  return outcome;
+}
+
+/// By a stepper that integrates one design at a time.
+template <Effects E>
+Outcome<double, E> swing_alone(const Scene& scene, const Design<double>& design,
+                               const Solver& solver, const Observer<E>& observe,
+                               std::span<const Field> fields, std::span<double> values) {
+  const auto swing_with = [&](auto&& stepper) {
+    return swing_by<double, E>(stepper, scene, design, solver, observe, fields, values);
+  };
+  switch (info_of_stepper(solver.stepper).id) {
+    case StepperId::adams_bashforth_moulton:
+      return swing_with(AdamsBashforthMoulton<double, E>(solver));
+    case StepperId::bulirsch_stoer:
+      return swing_with(BulirschStoer<double, E>(solver));
+    default:
+      return swing_with(Rosenbrock4<double, E>());
+  }
+}
 
 }  // namespace
 
@@ -21,26 +63,27 @@ template <Effects E>
 Outcome<double, E> swing(const Scene& scene, const Design<double>& design, const Solver& solver,
                          const Observer<E>& observe, std::span<const Field> fields,
                          std::span<double> values) {
-  // By rules that choose the release from an interval, steps follow it. They are left out.
-  const bool choosing = takes_best_moment(solver.release);
-  std::vector<Step<E>> taken;
-  const auto observe_if_given = [&](const Instant<double, E>& from, const Instant<double, E>& to) {
-    if (!observe) return;
-    if (choosing)
-      taken.push_back({from, to});
-    else
-      observe(from, to);
+  const auto swing_with = is_for_packs(solver.stepper) ? swing_in_lane<E> : swing_alone<E>;
+  if (!observe || !takes_best_moment(solver.release))
+    return swing_with(scene, design, solver, observe, fields, values);
+  // The release is chosen from an interval: steps that follow it are left out.
+  struct Step {
+    Instant<double, E> from, to;
   };
-  const auto swing_with = [&](auto&& stepper) {
-    return swing_by<double, E>(stepper, scene, design, solver, observe_if_given, fields, values);
-  };
-  const auto outcome = info_of_stepper(solver.stepper).id == StepperId::bulirsch_stoer
-                           ? swing_with(BulirschStoer<double, E>(solver))
-                       : follows_tolerance(solver.stepper)
-                           ? swing_with(make_any_stepper<double, E, true>(solver))
-                           : swing_with(make_any_stepper<double, E, false>(solver));
-  for (const Step<E>& step : taken)
-    if (&step == &taken.back() || step.from.t < taken.back().from.t) observe(step.from, step.to);
+  std::vector<Step> taken;
+  const auto outcome = swing_with(
+      scene, design, solver,
+      [&](const Instant<double, E>& from, const Instant<double, E>& to) {
+        taken.push_back({from, to});
+      },
+      fields, values);
+  for (const Step& step : taken) {
+    // Times of fixed steps differ by rounding errors.
+    const bool is_last =
+        std::abs(step.from.t - taken.back().from.t) <= (step.to.t - step.from.t) / 2;
+    observe(step.from, is_last ? taken.back().to : step.to);
+    if (is_last) break;
+  }
   return outcome;
 }
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/any_stepper.hpp"
+#include "trebsweep/ode/advance.hpp"
 
 namespace trebsweep {
 

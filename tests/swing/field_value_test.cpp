@@ -5,7 +5,7 @@
 #include "support/catch.hpp"
 #include "support/machines.hpp"
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/any_stepper.hpp"
+#include "trebsweep/ode/advance.hpp"
 #include "trebsweep/swing/integrate.hpp"
 #include "trebsweep/swing/swing.hpp"
 

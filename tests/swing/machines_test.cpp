@@ -172,3 +172,35 @@ TEST_CASE("A scaled machine has the scaled swing") {
       CHECK(b.lift_off == Approx(std::sqrt(L) * a.lift_off).epsilon(1e-8).margin(1e-12));
     }
 }
+
+TEST_CASE("A swing alone has the bits of the same swing in a lattice, by every stepper and rule") {
+  for (const std::string name : {"A", "B", "D", "E"}) {
+    const auto [r1, r3, r2] = machine(name).design;
+    std::vector<Design<double>> designs;
+    for (int i = 0; i < 40; ++i)
+      designs.push_back({r1 + 0.003 * i, r3 - 0.002 * i, r2 - 0.001 * i});
+    for (const auto& stepper : stepper_info)
+      for (const Release release : {Release::crossing, Release::window, Release::pin,
+                                    Release::farthest, Release::fastest}) {
+        Solver solver = solver_of(std::string(stepper.name),
+                                  stepper.follows_tolerance ? 1e-6 : 4e-3, solver_with(release));
+        solver.release = release;
+        const Scene& scene = machine(name).scene;
+        std::vector<SwingResult> results(designs.size());
+        integrate(scene, solver, {designs, results});
+        for (std::size_t i = 0; i < designs.size(); i += 8)
+          with_general_effects(scene, [&]<Effects E>() {
+            INFO(name << " " << stepper.name << " " << static_cast<int>(release) << " " << i);
+            double end = 0;
+            const auto alone = swing<E>(scene, designs[i], solver,
+                                        [&](const auto&, const auto& to) { end = to.t; });
+            CHECK(alone.status == results[i].status);
+            CHECK(alone.steps == results[i].steps);
+            if (!has_speed(alone.status)) return;
+            CHECK(alone.speed == results[i].speed);
+            CHECK(alone.t == results[i].release_time);
+            CHECK(end == alone.t);
+          });
+      }
+  }
+}

@@ -8,7 +8,7 @@
 #include "support/catch.hpp"
 #include "trebsweep/job/sample.hpp"
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/any_stepper.hpp"
+#include "trebsweep/ode/advance.hpp"
 #include "trebsweep/swing/integrate.hpp"
 #include "trebsweep/swing/swing.hpp"
 

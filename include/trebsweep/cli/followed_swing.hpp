@@ -13,7 +13,7 @@
 #include "trebsweep/job/buildable.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/any_stepper.hpp"
+#include "trebsweep/ode/advance.hpp"
 #include "trebsweep/swing/flight.hpp"
 #include "trebsweep/swing/load_samples.hpp"
 #include "trebsweep/swing/peak.hpp"

@@ -80,13 +80,9 @@ inline constexpr bool is_adaptive =
 /// integrating to each node. Not for implicit steppers, since the forces of a stiff scene amplify
 /// errors of the state, nor for fixed-step methods, whose steps may be inaccurate.
 template <class Stepper>
-bool is_interpolated([[maybe_unused]] const Stepper& stepper) {
-  if constexpr (requires { stepper.is_interpolated(); })
-    return stepper.is_interpolated();
-  else
-    return is_adaptive<Stepper> &&
-           !std::is_same_v<typename Stepper::stepper_category, odeint::error_stepper_tag>;
-}
+inline constexpr bool is_interpolated =
+    is_adaptive<Stepper> &&
+    !std::is_same_v<typename Stepper::stepper_category, odeint::error_stepper_tag>;
 
 /// The stepper for a solver; some are constructed with its step or its tolerance.
 template <class Stepper>

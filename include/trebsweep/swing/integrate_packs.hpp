@@ -7,6 +7,7 @@
 
 #include "trebsweep/ode/any_stepper.hpp"
 #include "trebsweep/swing/batch.hpp"
+#include "trebsweep/swing/kernel.hpp"
 #include "trebsweep/swing/swings.hpp"
 
 namespace trebsweep {
@@ -28,6 +29,7 @@ Work integrate_by(Stepper& stepper, const Scene& scene, const Solver& solver, co
   const auto done = [&, &results = results, &fields = fields, &values = values](
                         std::uint64_t index, const auto& outcome) {
     steps += outcome.steps;
+    if constexpr (requires { observe.end(outcome); }) observe.end(outcome);
     results[index] = result_of(outcome, values.subspan(index * fields.size(), fields.size()));
   };
   Swings<Stepper, T, E, decltype(next), decltype(done), Observe> swings(
@@ -45,47 +47,76 @@ using PackFor = Pack<adaptive ? 3 : 2>;
 template <bool adaptive, Effects E>
 using PackStepper = AnyStepper<PackFor<adaptive>, E, adaptive>;
 
-/// For every combination of effects, a function that returns a stepper for packs.
+/// A stepper for packs, for every combination of effects.
 template <bool adaptive, class = std::make_index_sequence<all_effects.size()>>
-struct PackStepperFactories;
+struct PackSteppers;
 
 template <bool adaptive, std::size_t... I>
-struct PackStepperFactories<adaptive, std::index_sequence<I...>> {
-  template <std::size_t J>
-  using Factory = PackStepper<adaptive, all_effects[J]> (*)(const Solver&);
-
-  std::tuple<Factory<I>...> by_effects;
+struct PackSteppers<adaptive, std::index_sequence<I...>> {
+  std::tuple<PackStepper<adaptive, all_effects[I]>...> by_effects;
 
   template <template <class, Effects> class Stepper>
-  static PackStepperFactories of() {
+  static PackSteppers of() {
     using T = PackFor<adaptive>;
-    return {{any_stepper<T, all_effects[I], Stepper<T, all_effects[I]>>...}};
-  }
-
-  template <Effects E>
-  PackStepper<adaptive, E> make(const Solver& solver) const {
-    return std::get<PackStepper<adaptive, E> (*)(const Solver&)>(by_effects)(solver);
+    return {{any_stepper<T, all_effects[I], Stepper<T, all_effects[I]>>()...}};
   }
 };
 
 template <template <class, Effects> class Stepper>
 inline constexpr bool is_adaptive_for_packs = is_adaptive<Stepper<Pack<1>, Effects{}>>;
 
-/// The factories of a stepper. Instantiated in src/swing/kernel/, in one source per stepper, so
-/// that they compile in parallel.
+/// Those of a method. Instantiated in src/swing/kernel/, in one source per method, so that they
+/// compile in parallel.
 template <template <class, Effects> class Stepper>
-PackStepperFactories<is_adaptive_for_packs<Stepper>> factories_of() {
-  return PackStepperFactories<is_adaptive_for_packs<Stepper>>::template of<Stepper>();
+PackSteppers<is_adaptive_for_packs<Stepper>> pack_steppers() {
+  return PackSteppers<is_adaptive_for_packs<Stepper>>::template of<Stepper>();
 }
 
-/// integrate_packs() with a stepper from such factories. Instantiated in src/swing/kernel/, for all
-/// adaptive and for all fixed-step steppers.
+/// Reports the steps and the end of the swing in the first lane, if somebody observes it.
+class SwingReporter {
+ public:
+  explicit SwingReporter(ObservedSwing* observed) : observed_(observed) {}
+
+  explicit operator bool() const { return observed_ && observed_->step; }
+
+  template <class T, Effects E>
+  void operator()(const Instant<T, E>& from, const Instant<T, E>& to) const {
+    observed_->step(plain(from), plain(to));
+  }
+
+  template <Effects E>
+  void end(const Outcome<double, E>& outcome) const {
+    if (!observed_) return;
+    observed_->t = outcome.t;
+    observed_->speed = outcome.speed;
+    observed_->x = plain(outcome.x);
+  }
+
+ private:
+  template <class T, std::size_t n>
+  static std::array<double, 6> plain(const std::array<T, n>& numbers) {
+    std::array<double, 6> values{};
+    for (std::size_t i = 0; i < n; ++i) values[i] = get_lane(numbers[i], 0);
+    return values;
+  }
+
+  template <class T, Effects E>
+  static PlainInstant plain(const Instant<T, E>& at) {
+    return {get_lane(at.t, 0), plain(at.x), plain(at.directions), plain(at.dxdt)};
+  }
+
+  ObservedSwing* observed_;
+};
+
+/// integrate_packs() with one of such steppers. Instantiated in src/swing/kernel/, for all adaptive
+/// and for all fixed-step steppers.
 template <bool adaptive>
-Work integrate_packs_with(const PackStepperFactories<adaptive>& factories, const Scene& scene,
-                          const Solver& solver, const Batch& batch) {
+Work integrate_packs_with(const PackSteppers<adaptive>& steppers, const Scene& scene,
+                          const Solver& solver, const Batch& batch, ObservedSwing* observed) {
   return with_effects(scene, [&]<Effects E>() {
-    auto stepper = factories.template make<E>(solver);
-    return integrate_by<PackFor<adaptive>, E>(stepper, scene, solver, batch);
+    auto stepper = std::get<PackStepper<adaptive, E>>(steppers.by_effects);
+    return integrate_by<PackFor<adaptive>, E>(stepper, scene, solver, batch,
+                                              SwingReporter(observed));
   });
 }
 

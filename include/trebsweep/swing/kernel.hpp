@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <functional>
 #include <string_view>
 
 #include "trebsweep/model/scene.hpp"
@@ -19,7 +21,24 @@ inline bool has_fma(std::string_view instruction_set) {
   return !instruction_set.starts_with("baseline");
 }
 
-/// integrate() for a stepper for packs, and for fields that are not is_separate().
-Work integrate_packs(const Scene& scene, const Solver& solver, const Batch& batch);
+/// An instant of a swing in any scene; see Instant. Of the arrays, a scene uses the first elements.
+struct PlainInstant {
+  double t;
+  std::array<double, 6> x, directions, dxdt;
+};
+
+/// What integrate_packs() reports of a single design besides its SwingResult.
+struct ObservedSwing {
+  /// Called with the ends of steps; see Swings.
+  std::function<void(const PlainInstant& from, const PlainInstant& to)> step;
+  // The end of the swing; see Outcome.
+  double t = 0, speed = 0;
+  std::array<double, 6> x{};
+};
+
+/// integrate() for a stepper for packs, and for fields that are not is_separate(). `observed`, if
+/// not null, is of the only design of the batch.
+Work integrate_packs(const Scene& scene, const Solver& solver, const Batch& batch,
+                     ObservedSwing* observed = nullptr);
 
 }  // namespace trebsweep

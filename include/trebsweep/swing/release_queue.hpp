@@ -18,10 +18,16 @@ namespace trebsweep {
 template <class Stepper, class T, Effects E>
 class ReleaseQueue {
  public:
-  /// See Swings for `fields` and `values`.
+  /// See Swings for `fields` and `values`. `observed` tells whether the starts of last steps
+  /// matter.
   ReleaseQueue(const Scene& scene, const Solver& solver, std::span<const Field> fields,
-               std::span<double> values)
-      : scene_(scene), solver_(solver), fields_(fields), values_(values), request_(fields, scene) {}
+               std::span<double> values, bool observed)
+      : scene_(scene),
+        solver_(solver),
+        fields_(fields),
+        values_(values),
+        request_(fields, scene),
+        observed_(observed) {}
 
   bool full() const { return size_ == lanes; }
 
@@ -31,7 +37,7 @@ class ReleaseQueue {
             const BestRelease<T, E>& best, const Instant<T, E>& from, const Instant<T, E>& to) {
     copy_lane<T>(pending_.design, size_, state.design, lane);
     copy_lane<T>(pending_.to, size_, to, lane);
-    if (lanes == 1 || recording_ || !rule_.is_window()) {
+    if (observed_ || recording_ || !rule_.is_window()) {
       copy_lane<T>(pending_.motion, size_, state.motion, lane);
       copy_lane<T>(pending_.from, size_, from, lane);
     }
@@ -144,6 +150,7 @@ class ReleaseQueue {
   const std::span<double> values_;
   const RecordRequest request_;
   const bool recording_ = request_.any();
+  const bool observed_;
   const bool flying_ = std::any_of(fields_.begin(), fields_.end(), [](Field field) {
     return info(field).kind == FieldKind::flight;
   });

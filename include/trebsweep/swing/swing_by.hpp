@@ -9,16 +9,18 @@ namespace trebsweep {
 
 /// Integrates one design with a stepper and a number type chosen at compile time; see swing().
 template <class T, Effects E, class Stepper, class Observe = NullObserver>
-Outcome<T, E> swing_by(Stepper&& stepper, const Scene& scene, const Design<double>& design,
-                       const Solver& solver, Observe&& observe = {},
-                       std::span<const Field> fields = {}, std::span<double> values = {}) {
-  Outcome<T, E> outcome{};
+Outcome<typename Lanes<T>::Number, E> swing_by(Stepper&& stepper, const Scene& scene,
+                                               const Design<double>& design, const Solver& solver,
+                                               Observe&& observe = {},
+                                               std::span<const Field> fields = {},
+                                               std::span<double> values = {}) {
+  Outcome<typename Lanes<T>::Number, E> outcome{};
   bool given = false;
   const auto next = [&](Design<double>& d) {
     d = design;
     return !std::exchange(given, true);
   };
-  const auto done = [&](std::uint64_t, const Outcome<T, E>& o) { outcome = o; };
+  const auto done = [&](std::uint64_t, const auto& o) { outcome = o; };
   Swings<std::remove_reference_t<Stepper>, T, E, decltype(next), decltype(done), Observe&> swings(
       scene, solver, stepper, fields, values, next, done, observe);
   swings.run();

@@ -141,7 +141,7 @@ template <class Stepper>
 int parts_of_step(const Stepper& stepper, double tolerance) {
   if constexpr (is_own_controller<Stepper>) return 4;  // extrapolation takes the longest steps
   if constexpr (is_adaptive<Stepper>)
-    return is_interpolated(stepper) && stepper.order() > 5 && tolerance > 1e-8 ? 2 : 1;
+    return is_interpolated<Stepper> && stepper.order() > 5 && tolerance > 1e-8 ? 2 : 1;
   return 1;
 }
 
@@ -173,11 +173,13 @@ SwingRecord<T> record_loads(const SwingRecord<T>& before, const RecordRequest& r
   LoadsWithin<T> within;
   if (exact) within = std::cref(integrated);
   const auto extend = [&](const Instant<T, E>& end) {
-    record = with_extremes(record, request,
-                           is_interpolated(stepper)
-                               ? interpolated_loads(motion, mechanism, last, end, part)
-                               : integrated_loads(stepper, motion, mechanism, last, end, part),
-                           within);
+    const auto loads = [&] {
+      if constexpr (is_interpolated<Stepper>)
+        return interpolated_loads(motion, mechanism, last, end, part);
+      else
+        return integrated_loads(stepper, motion, mechanism, last, end, part);
+    };
+    record = with_extremes(record, request, loads(), within);
     last = end;
   };
   for (int i = 1; i < parts; ++i) {

@@ -15,6 +15,7 @@ namespace trebsweep {
 
 /// An observer that does nothing.
 struct NullObserver {
+  explicit constexpr operator bool() const { return false; }
   template <class Instant>
   void operator()(const Instant&, const Instant&) const {}
 };
@@ -25,7 +26,8 @@ struct NullObserver {
 /// next(design) sets the next design, or returns false after the last one. done(index, outcome)
 /// receives the outcomes in any order; designs are numbered in the order of next(). If design n has
 /// a release, values[n * fields.size() + i] is set to fields[i], none of which may be in
-/// SwingResult. observe(from, to), for a single design, which is in the first lane, is called with
+/// SwingResult. If `observe` is true, there is a single design, which is in the first lane, and
+/// observe(from, to) is called with
 /// the ends of every accepted step, except the last one of a swing without a release, and of the
 /// step that ends at the release; by rules that choose the release, steps beyond it are observed
 /// before.
@@ -43,7 +45,7 @@ class Swings {
         observe_(observe),
         starts_(scene, solver),
         restarts_(scene, solver, request_),
-        releases_(scene, solver, fields, values) {}
+        releases_(scene, solver, fields, values, static_cast<bool>(observe_)) {}
 
   /// Integrates all designs. Returns the number of steps of all lanes, idle lanes included.
   std::uint64_t run() {
@@ -61,7 +63,6 @@ class Swings {
   using Instant = trebsweep::Instant<T, E>;
   static constexpr std::size_t lanes = Lanes<T>::count;
   static constexpr bool adaptive = is_adaptive<Stepper>;
-  static constexpr bool observing = !std::is_same_v<std::remove_cvref_t<Observe>, NullObserver>;
 
   void step() {
     Instant& from = now_[steps_taken_ % 2];
@@ -82,11 +83,10 @@ class Swings {
     if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
     if (restarting_) events |= restarts_.find(lanes_.motion, from, to);
     const LaneMask ended = check_events(events, ~LaneMask{0}, from, to);
-    if constexpr (observing) {
-      if ((ended & 1) == 0) {
-        set_times(1, from, to);
-        observe_(from, to);
-      }
+    if (observe_ && (ended & 1) == 0) [[unlikely]] {
+      Instant start = from, end = to;
+      set_times(1, start, end);
+      observe_(start, end);
     }
     follow(active_ & ~ended, from, to, lanes_.h);
     return ended;
@@ -107,8 +107,8 @@ class Swings {
     if (restarting_) events |= restarts_.find(lanes_.motion, from, to);
     const LaneMask accepted = lanes_of(good);
     const LaneMask ended = check_events(events, accepted, from, to);
-    if constexpr (observing)
-      if ((accepted & ~ended & 1) != 0) observe_(from, to);
+    if (observe_ && (accepted & ~ended & 1) != 0) [[unlikely]]
+      observe_(from, to);
     if ((~accepted & active_) != 0) copy_where<T>(!good, to, from);
     follow(active_ & ~ended, from, to, step_between(from, to));  // a rejected step adds nothing
     return ended;
@@ -234,20 +234,17 @@ class Swings {
       done_(index, outcome_of(unreleased, to, lane, Number(0), steps));
       return true;
     };
-    restarts_.locate(stepper_, ends,
-                     [&]([[maybe_unused]] const Instant& from, [[maybe_unused]] const Instant& to) {
-                       if constexpr (observing) observe_(from, to);
-                     });
+    restarts_.locate(stepper_, ends, [&](const Instant& from, const Instant& to) {
+      if (observe_) observe_(from, to);
+    });
   }
 
   void locate_releases() {
-    releases_.locate_releases(
-        stepper_, [&](std::uint64_t index, const auto& outcome,
-                      [[maybe_unused]] const Instant& from, [[maybe_unused]] const Instant& to) {
-          done_(index, outcome);
-          if constexpr (observing)
-            if (has_speed(outcome.status)) observe_(from, to);
-        });
+    releases_.locate_releases(stepper_, [&](std::uint64_t index, const auto& outcome,
+                                            const Instant& from, const Instant& to) {
+      done_(index, outcome);
+      if (observe_ && has_speed(outcome.status)) observe_(from, to);
+    });
   }
 
   /// Whether the next step of an adaptive method would be too short to change the time; near t = 0,

@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template PackStepperFactories<true> factories_of<CashKarp54>();
+template PackSteppers<true> pack_steppers<CashKarp54>();
 
 }  // namespace trebsweep

@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template PackStepperFactories<true> factories_of<Dopri5>();
+template PackSteppers<true> pack_steppers<Dopri5>();
 
 }  // namespace trebsweep

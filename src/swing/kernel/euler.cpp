@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template PackStepperFactories<false> factories_of<Euler>();
+template PackSteppers<false> pack_steppers<Euler>();
 
 }  // namespace trebsweep

@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template PackStepperFactories<true> factories_of<Fehlberg78>();
+template PackSteppers<true> pack_steppers<Fehlberg78>();
 
 }  // namespace trebsweep

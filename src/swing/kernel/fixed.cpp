@@ -2,7 +2,7 @@
 
 namespace trebsweep {
 
-template Work integrate_packs_with(const PackStepperFactories<false>&, const Scene&, const Solver&,
-                                   const Batch&);
+template Work integrate_packs_with(const PackSteppers<false>&, const Scene&, const Solver&,
+                                   const Batch&, ObservedSwing*);
 
 }  // namespace trebsweep

@@ -6,19 +6,19 @@
 namespace trebsweep {
 
 // Defined in the source of each stepper.
-extern template PackStepperFactories<true> factories_of<CashKarp54>();
-extern template PackStepperFactories<true> factories_of<Dopri5>();
-extern template PackStepperFactories<false> factories_of<Euler>();
-extern template PackStepperFactories<true> factories_of<Fehlberg78>();
-extern template PackStepperFactories<false> factories_of<ModifiedMidpoint>();
-extern template PackStepperFactories<false> factories_of<RungeKutta4>();
-extern template PackStepperFactories<true> factories_of<Vern7>();
-extern template PackStepperFactories<true> factories_of<Vern8>();
+extern template PackSteppers<true> pack_steppers<CashKarp54>();
+extern template PackSteppers<true> pack_steppers<Dopri5>();
+extern template PackSteppers<false> pack_steppers<Euler>();
+extern template PackSteppers<true> pack_steppers<Fehlberg78>();
+extern template PackSteppers<false> pack_steppers<ModifiedMidpoint>();
+extern template PackSteppers<false> pack_steppers<RungeKutta4>();
+extern template PackSteppers<true> pack_steppers<Vern7>();
+extern template PackSteppers<true> pack_steppers<Vern8>();
 // Defined in adaptive.cpp and fixed.cpp.
-extern template Work integrate_packs_with(const PackStepperFactories<true>&, const Scene&,
-                                          const Solver&, const Batch&);
-extern template Work integrate_packs_with(const PackStepperFactories<false>&, const Scene&,
-                                          const Solver&, const Batch&);
+extern template Work integrate_packs_with(const PackSteppers<true>&, const Scene&, const Solver&,
+                                          const Batch&, ObservedSwing*);
+extern template Work integrate_packs_with(const PackSteppers<false>&, const Scene&, const Solver&,
+                                          const Batch&, ObservedSwing*);
 
 [[gnu::visibility("default")]] std::string_view instruction_set() {
   if (!has_fused_multiply_add) return "baseline (2 lanes)";
@@ -33,10 +33,10 @@ extern template Work integrate_packs_with(const PackStepperFactories<false>&, co
 }
 
 [[gnu::visibility("default")]] Work integrate_packs(const Scene& scene, const Solver& solver,
-                                                    const Batch& batch) {
+                                                    const Batch& batch, ObservedSwing* observed) {
   return with_pack_stepper(
       solver.stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
-        return integrate_packs_with(factories_of<Stepper>(), scene, solver, batch);
+        return integrate_packs_with(pack_steppers<Stepper>(), scene, solver, batch, observed);
       });
 }
 

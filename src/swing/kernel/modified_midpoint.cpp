@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template PackStepperFactories<false> factories_of<ModifiedMidpoint>();
+template PackSteppers<false> pack_steppers<ModifiedMidpoint>();
 
 }  // namespace trebsweep

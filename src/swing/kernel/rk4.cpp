@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template PackStepperFactories<false> factories_of<RungeKutta4>();
+template PackSteppers<false> pack_steppers<RungeKutta4>();
 
 }  // namespace trebsweep

@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template PackStepperFactories<true> factories_of<Vern7>();
+template PackSteppers<true> pack_steppers<Vern7>();
 
 }  // namespace trebsweep

@@ -2,6 +2,6 @@
 
 namespace trebsweep {
 
-template PackStepperFactories<true> factories_of<Vern8>();
+template PackSteppers<true> pack_steppers<Vern8>();
 
 }  // namespace trebsweep
