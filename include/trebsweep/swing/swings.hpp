@@ -45,7 +45,7 @@ class Swings {
         observe_(observe),
         starts_(scene, solver),
         restarts_(scene, solver, request_),
-        releases_(scene, solver, fields, values, static_cast<bool>(observe_)) {}
+        releases_(scene, solver, fields, values, observing_) {}
 
   /// Integrates all designs. Returns the number of steps of all lanes, idle lanes included.
   std::uint64_t run() {
@@ -83,11 +83,8 @@ class Swings {
     if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
     if (restarting_) events |= restarts_.find(lanes_.motion, from, to);
     const LaneMask ended = check_events(events, ~LaneMask{0}, from, to);
-    if (observe_ && (ended & 1) == 0) [[unlikely]] {
-      Instant start = from, end = to;
-      set_times(1, start, end);
-      observe_(start, end);
-    }
+    if (observing_ && (ended & 1) == 0) [[unlikely]]
+      observe_fixed_step(from, to);
     follow(active_ & ~ended, from, to, lanes_.h);
     return ended;
   }
@@ -107,11 +104,16 @@ class Swings {
     if (restarting_) events |= restarts_.find(lanes_.motion, from, to);
     const LaneMask accepted = lanes_of(good);
     const LaneMask ended = check_events(events, accepted, from, to);
-    if (observe_ && (accepted & ~ended & 1) != 0) [[unlikely]]
+    if (observing_ && (accepted & ~ended & 1) != 0) [[unlikely]]
       observe_(from, to);
     if ((~accepted & active_) != 0) copy_where<T>(!good, to, from);
     follow(active_ & ~ended, from, to, step_between(from, to));  // a rejected step adds nothing
     return ended;
+  }
+
+  [[gnu::noinline]] void observe_fixed_step(Instant from, Instant to) {
+    set_times(1, from, to);
+    observe_(from, to);
   }
 
   /// Extends records and searches by a step, if they are needed: those of the lanes in `mask`, or
@@ -235,7 +237,7 @@ class Swings {
       return true;
     };
     restarts_.locate(stepper_, ends, [&](const Instant& from, const Instant& to) {
-      if (observe_) observe_(from, to);
+      if (observing_) observe_(from, to);
     });
   }
 
@@ -243,7 +245,7 @@ class Swings {
     releases_.locate_releases(stepper_, [&](std::uint64_t index, const auto& outcome,
                                             const Instant& from, const Instant& to) {
       done_(index, outcome);
-      if (observe_ && has_speed(outcome.status)) observe_(from, to);
+      if (observing_ && has_speed(outcome.status)) observe_(from, to);
     });
   }
 
@@ -316,6 +318,7 @@ class Swings {
   Next next_;
   Done done_;
   Observe observe_;
+  const bool observing_ = static_cast<bool>(observe_);
 
   const T max_time_ = Number(solver_.max_time);
   const Number latest_ = latest_time<Number>(solver_);
