@@ -25,13 +25,11 @@ BestNumbers to_numbers(const BestDesign& best) {
 
 BestDesign to_best_design(const BestNumbers& numbers) {
   const auto& [value, speed, r1, r3, r2, release_time, error] = numbers;
-  BestDesign best;
-  best.value = value;
-  best.speed = speed;
-  best.design = {r1, r3, r2};
-  best.release_time = release_time;
-  best.error = error;
-  return best;
+  return {.value = value,
+          .speed = speed,
+          .design = {r1, r3, r2},
+          .release_time = release_time,
+          .error = error};
 }
 
 }  // namespace trebsweep

@@ -46,8 +46,7 @@ void write_holder(int file) {
 
 /// Whether the path still names the open file: its former holder may just have removed it.
 bool has_path(int file, const fs::path& path) {
-  struct stat opened {
-  }, named{};
+  struct stat opened, named;
   return fstat(file, &opened) == 0 && lstat(path.c_str(), &named) == 0 &&
          opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }

@@ -7,15 +7,12 @@
 #include <stdexcept>
 
 #include "trebsweep/archive/output_file.hpp"
+#include "trebsweep/archive/regular_file.hpp"
 
 namespace trebsweep {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path directory_of(const fs::path& path) {
-  return path.has_parent_path() ? path.parent_path() : fs::path(".");
-}
 
 /// The process's file size limit, bytes.
 std::uintmax_t size_limit() {

@@ -13,12 +13,17 @@ herr_t store_cause(unsigned n, const H5E_error2_t* error, void* reason) {
   return 0;
 }
 
-void write(hid_t object, const std::string& name, hid_t type, const void* value) {
+/// Creates an attribute; `type` and `memory_type` are those in the file and of `values`.
+void write(hid_t object, const std::string& name, const Dataspace& space, hid_t type,
+           hid_t memory_type, const void* values) {
   const std::string what = "write attribute " + name;
-  const Dataspace space(H5Screate(H5S_SCALAR), what);
   const Attribute attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
                             what);
-  check(H5Awrite(attribute, type, value), what);
+  check(H5Awrite(attribute, memory_type, values), what);
+}
+
+void write(hid_t object, const std::string& name, hid_t type, const void* value) {
+  write(object, name, {H5Screate(H5S_SCALAR), "write an attribute"}, type, type, value);
 }
 
 /// Opens an attribute that must have one value.
@@ -102,18 +107,15 @@ void write_attribute(hid_t object, const std::string& name, double value) {
   write(object, name, H5T_NATIVE_DOUBLE, &value);
 }
 
-void write_attribute(hid_t object, const std::string& name, unsigned long long value) {
-  write(object, name, H5T_NATIVE_ULLONG, &value);
+void write_attribute(hid_t object, const std::string& name, std::uint64_t value) {
+  write(object, name, H5T_NATIVE_UINT64, &value);
 }
 
 void write_attribute(hid_t object, const std::string& name, hid_t type,
                      std::span<const double> values) {
-  const std::string what = "write attribute " + name;
   const hsize_t count = values.size();
-  const Dataspace space(H5Screate_simple(1, &count, nullptr), what);
-  const Attribute attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
-                            what);
-  check(H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()), what);
+  write(object, name, {H5Screate_simple(1, &count, nullptr), "write an attribute"}, type,
+        H5T_NATIVE_DOUBLE, values.data());
 }
 
 std::string read_text_attribute(hid_t object, const std::string& name) {

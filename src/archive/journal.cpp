@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/interprocess/file_mapping.hpp>
 #include <cerrno>
 #include <cstring>
 #include <optional>
@@ -18,12 +19,10 @@ namespace trebsweep {
 namespace {
 
 /// It changes with the form of the results.
-constexpr std::array<char, 8> mark{'t', 'r', 'e', 'b', 'r', 'e', 'c', '2'};
+constexpr std::array<char, 8> mark{'t', 'r', 'e', 'b', 'r', 'e', 'c', '3'};
 
 struct Header {
   std::array<char, 8> mark;
-  std::uint32_t kind;
-  std::uint32_t unused;
   std::uint64_t number;
   std::uint64_t size;  ///< of the results, bytes
   std::uint64_t checksum;
@@ -43,10 +42,10 @@ std::optional<Record> first_record(std::span<const std::byte> bytes, std::uint64
   if (bytes.size() < sizeof header) return std::nullopt;
   std::memcpy(&header, bytes.data(), sizeof header);
   bytes = bytes.subspan(sizeof header);
-  if (header.mark != mark || header.size > bytes.size() || header.kind > 1) return std::nullopt;
+  if (header.mark != mark || header.size > bytes.size()) return std::nullopt;
   const auto results = bytes.first(header.size);
   if (header.checksum != record_checksum(header, results, sweep)) return std::nullopt;
-  return Record{static_cast<RecordKind>(header.kind), header.number, results};
+  return Record{header.number, results};
 }
 
 }  // namespace
@@ -67,24 +66,23 @@ std::vector<Record> intact_records(std::span<const std::byte> journal, std::uint
   return records;
 }
 
-MappedFile::MappedFile(const std::filesystem::path& path) {
+MappedFile map_file(const std::filesystem::path& path) {
   namespace ipc = boost::interprocess;
   try {
-    // Empty files cannot be mapped.
-    if (std::filesystem::file_size(path) > 0)
-      region_ = ipc::mapped_region(ipc::file_mapping(path.c_str(), ipc::read_only), ipc::read_only);
+    if (std::filesystem::file_size(path) == 0) return {};  // cannot be mapped
+    return {ipc::file_mapping(path.c_str(), ipc::read_only), ipc::read_only};
   } catch (const std::exception& error) {
     throw std::runtime_error(fmt::format("cannot read {}: {}", path.string(), error.what()));
   }
 }
 
-std::span<const std::byte> MappedFile::bytes() const {
-  return {static_cast<const std::byte*>(region_.get_address()), region_.get_size()};
+std::span<const std::byte> bytes_of(const MappedFile& file) {
+  return {static_cast<const std::byte*>(file.get_address()), file.get_size()};
 }
 
-void Journal::append(RecordKind kind, std::uint64_t number, std::vector<std::byte> results) {
+void Journal::append(std::uint64_t number, std::vector<std::byte> results) {
   unwritten_bytes_ += record_header_bytes + results.size();
-  unwritten_.push_back({kind, number, std::move(results)});
+  unwritten_.push_back({number, std::move(results)});
 }
 
 void Journal::write() {
@@ -97,8 +95,8 @@ void Journal::write() {
     file_.write(reinterpret_cast<const char*>(bytes.data()),
                 static_cast<std::streamsize>(bytes.size()));
   };
-  for (const auto& [kind, number, results] : unwritten_) {
-    Header header{mark, static_cast<std::uint32_t>(kind), 0, number, results.size(), 0};
+  for (const auto& [number, results] : unwritten_) {
+    Header header{mark, number, results.size(), 0};
     header.checksum = record_checksum(header, results, sweep_);
     put(std::as_bytes(std::span(&header, 1)));
     put(results);
@@ -118,11 +116,9 @@ void Journal::sync() {
 }
 
 std::vector<Record> Journal::records() {
-  written_.clear();
-  if (file_.is_open()) written_.emplace_back(path_);
-  std::vector<Record> all;
-  for (const MappedFile& file : written_) all = intact_records(file.bytes(), sweep_);
-  for (const auto& [kind, number, results] : unwritten_) all.push_back({kind, number, results});
+  if (file_.is_open()) written_ = map_file(path_);
+  auto all = intact_records(bytes_of(written_), sweep_);
+  for (const auto& [number, results] : unwritten_) all.push_back({number, results});
   return all;
 }
 

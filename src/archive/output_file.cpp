@@ -14,19 +14,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Throws InputError if a path can never be that of an archive.
-void check_path(const Job& job, const fs::path& path) {
-  const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
+/// The path of a job's archive, links followed. Throws InputError if it can never be one.
+fs::path checked_path(const Job& job) {
+  const fs::path path = follow_links(job.output.file);
+  const fs::path directory = directory_of(path);
   std::error_code ignored;
   if (!fs::is_directory(directory, ignored))
     refuse_output(
         job, fmt::format("{} is not a directory; create it, or name another", directory.string()));
-  for (const fs::path& name : {path, partial_path(path)}) {
-    std::error_code error;
-    if (fs::symlink_status(name, error).type() == fs::file_type::none)
-      refuse_output(job, fmt::format("cannot write in {}: {}: {}", directory.string(),
-                                     shortened(name.filename().string()), error.message()));
-  }
   if (const auto kind = irregular_kind(path))
     refuse_output(job, fmt::format("is {}; name a file", *kind));
   // Open MPI 4.1 overruns a buffer if the path of a file is long.
@@ -36,14 +31,13 @@ void check_path(const Job& job, const fs::path& path) {
                   fmt::format("the path is too long: {} characters, at most {} are allowed; give a "
                               "shorter one, such as one relative to the current directory",
                               path.string().size(), max_length));
+  return path;
 }
 
-fs::path resolved_path(const Job& job) {
-  try {
-    return follow_links(job.output.file);
-  } catch (const std::system_error& error) {
-    refuse_output(job, error.code().message());
-  }
+/// Reports a failure of the file system, as at names that are too long.
+[[noreturn]] void refuse_output(const Job& job, const std::system_error& error) {
+  refuse_output(job, fmt::format("cannot write in {}: {}", directory_of(job.output.file).string(),
+                                 error.code().message()));
 }
 
 /// Throws InputError if what has the name of the folder is not what this program creates.
@@ -58,16 +52,6 @@ void check_folder(const Job& job, const fs::path& folder) {
   if (!what.empty())
     refuse_output(job,
                   fmt::format("{} {}; move it away, or name another file", folder.string(), what));
-}
-
-std::unique_ptr<FileLock> lock_folder(const Job& job, const fs::path& folder) {
-  try {
-    return std::make_unique<FileLock>(folder);
-  } catch (const InputError& error) {
-    refuse_output(job, error.what());
-  } catch (const std::system_error& error) {
-    refuse_output(job, fmt::format("cannot write {}: {}", folder.string(), error.code().message()));
-  }
 }
 
 /// The header of the existing archive, if any. Throws InputError if the file is not an archive.
@@ -131,7 +115,11 @@ bool is_complete(const Job& job, const fs::path& path, bool overwrite,
 OutputFile lock_output(const Job& job, const fs::path& path) {
   check_folder(job, partial_path(path));
   OutputFile output{.path = path, .partial = {}, .replaces = {}, .lock = {}};
-  output.lock = lock_folder(job, partial_path(path));
+  try {
+    output.lock = std::make_unique<FileLock>(partial_path(path));
+  } catch (const InputError& error) {
+    refuse_output(job, error.what());
+  }
   output.replaces = file_identity(path);
   return output;
 }
@@ -144,9 +132,8 @@ void refuse_output(const Job& job, const std::string& why) {
   throw InputError(fmt::format("output.file = {}: {}", shortened(job.output.file), why));
 }
 
-OutputFile open_or_resume(const Job& job, bool overwrite) {
-  const fs::path path = resolved_path(job), folder = partial_path(path);
-  check_path(job, path);
+OutputFile open_or_resume(const Job& job, bool overwrite) try {
+  const fs::path path = checked_path(job), folder = partial_path(path);
   // If nothing remains to be done, the path need not be writable, nor locked.
   if (!fs::exists(fs::symlink_status(folder)) && is_complete(job, path, overwrite, std::nullopt))
     return {.path = path, .complete = true, .partial = {}, .replaces = {}, .lock = {}};
@@ -162,11 +149,12 @@ OutputFile open_or_resume(const Job& job, bool overwrite) {
     output.partial = partial;
   }
   return output;
+} catch (const std::system_error& error) {
+  refuse_output(job, error);
 }
 
-OutputFile reserve_output(const Job& job, bool overwrite) {
-  const fs::path path = resolved_path(job), folder = partial_path(path);
-  check_path(job, path);
+OutputFile reserve_output(const Job& job, bool overwrite) try {
+  const fs::path path = checked_path(job), folder = partial_path(path);
   OutputFile output = lock_output(job, path);
   if (find_archive(job, path) && !overwrite)
     refuse_output(job, "already exists; name another file, or replace it with --overwrite");
@@ -175,6 +163,8 @@ OutputFile reserve_output(const Job& job, bool overwrite) {
                   fmt::format("{} holds an unfinished sweep; name another file", folder.string()));
   clear_partial(folder);
   return output;
+} catch (const std::system_error& error) {
+  refuse_output(job, error);
 }
 
 void finish_output(const OutputFile& output) {

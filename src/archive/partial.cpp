@@ -11,7 +11,6 @@
 #include "trebsweep/archive/file_lock.hpp"
 #include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/base/mpi.hpp"
 #include "trebsweep/base/version.hpp"
 #include "trebsweep/job/key.hpp"
 #include "trebsweep/job/study.hpp"
@@ -127,26 +126,11 @@ bool is_partial_folder(const fs::path& folder) {
 }
 
 void clear_partial(const fs::path& folder) {
-  const auto remove = [](const fs::path& path) {
-    std::error_code error;
-    fs::remove(path, error);
-    if (error)
-      throw std::runtime_error(fmt::format("cannot remove {}: {}", path.string(), error.message()));
-  };
   for (const auto& entry : fs::directory_iterator(folder))
     if (const fs::path name = entry.path().filename(); name != lock_name && name != description)
-      remove(entry.path());
+      fs::remove(entry.path());
   // Last, because journals without it would be taken for damaged.
-  remove(folder / description);
-}
-
-void require_visible(const fs::path& path, MPI_Comm comm) {
-  mpi::on_all(comm, [&] {
-    if (!fs::exists(path))
-      throw std::runtime_error(fmt::format(
-          "rank {} cannot see {}: all ranks must run in the same directory of a shared file system",
-          mpi::rank(comm), path.string()));
-  });
+  fs::remove(folder / description);
 }
 
 }  // namespace trebsweep

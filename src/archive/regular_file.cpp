@@ -40,6 +40,10 @@ std::optional<std::string> irregular_kind(const fs::path& path) {
   return irregular_kind(fs::status(path, ignored));
 }
 
+fs::path directory_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
 std::string file_identity(const fs::path& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) == 0)

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <numeric>
 
 #include "trebsweep/archive/hdf5.hpp"
@@ -22,25 +23,21 @@ constexpr const char* r1_text = "length of the counterweight's arm";
 constexpr const char* r3_text = "length of the sling";
 constexpr const char* r2_text = "length of the throwing arm";
 
-/// A dimension scale and its extent.
-struct Axis {
-  hdf5::Dataset scale;
-  hsize_t extent;
-};
-using Axes = std::vector<const Axis*>;
+/// The names of dimension scales.
+using Axes = std::vector<std::string>;
 
-std::vector<hsize_t> extents_of(const Axes& axes) {
+std::vector<hsize_t> extents_of(hid_t file, const Axes& axes) {
   std::vector<hsize_t> extents;
-  for (const Axis* axis : axes) extents.push_back(axis->extent);
+  for (const std::string& axis : axes)
+    extents.push_back(hdf5::extents(hdf5::open_dataset(file, axis)).front());
   return extents;
 }
 
-void attach(hid_t dataset, const Axes& axes) {
-  for (std::size_t d = 0; d < axes.size(); ++d)
-    check(H5DSattach_scale(dataset, axes[d]->scale, static_cast<unsigned>(d)), "attach an axis");
-}
-
-void describe(hid_t dataset, std::string_view long_name, std::string_view units = "") {
+/// Describes a dataset over some axes.
+void describe(hid_t file, hid_t dataset, const Axes& axes, std::string_view long_name,
+              std::string_view units) {
+  for (unsigned d = 0; d < axes.size(); ++d)
+    check(H5DSattach_scale(dataset, hdf5::open_dataset(file, axes[d]), d), "attach an axis");
   hdf5::write_attribute(dataset, "long_name", std::string(long_name));
   if (!units.empty()) hdf5::write_attribute(dataset, "units", std::string(units));
 }
@@ -48,34 +45,34 @@ void describe(hid_t dataset, std::string_view long_name, std::string_view units 
 /// A dataset over some axes.
 template <class Number>
 hdf5::Dataset create(hid_t file, const std::string& name, const Axes& axes,
-                     const std::vector<Number>& values, const std::string& long_name) {
-  hdf5::Dataset dataset = hdf5::create_dataset(file, name, extents_of(axes), values);
-  attach(dataset, axes);
-  describe(dataset, long_name);
+                     const std::vector<Number>& values, std::string_view long_name,
+                     std::string_view units = "") {
+  hdf5::Dataset dataset = hdf5::create_dataset(file, name, extents_of(file, axes), values);
+  describe(file, dataset, axes, long_name, units);
   return dataset;
 }
 
-Axis create_axis(hid_t file, const std::string& name, const std::vector<double>& values,
-                 const std::string& long_name, const std::string& units) {
+std::string create_axis(hid_t file, const std::string& name, const std::vector<double>& values,
+                        std::string_view long_name, std::string_view units) {
   const hsize_t count = values.size();
-  Axis axis{hdf5::create_dataset(file, name, {&count, 1}, values), count};
-  check(H5DSset_scale(axis.scale, name.c_str()), "create axis " + name);
-  describe(axis.scale, long_name, units);
-  return axis;
+  const hdf5::Dataset scale = hdf5::create_dataset(file, name, {&count, 1}, values);
+  check(H5DSset_scale(scale, name.c_str()), "create axis " + name);
+  describe(file, scale, {}, long_name, units);
+  return name;
 }
 
 /// A dimension without coordinates, in the form that netCDF-4 gives it.
-Axis create_dimension(hid_t file, const std::string& name, hsize_t count) {
-  Axis axis{hdf5::create_dataset(file, name, H5T_STD_U8LE, {&count, 1}), count};
+std::string create_dimension(hid_t file, const std::string& name, hsize_t count) {
+  const hdf5::Dataset dataset = hdf5::create_dataset(file, name, H5T_STD_U8LE, {&count, 1});
   const std::string scale =
       fmt::format("This is a netCDF dimension but not a netCDF variable.{:10d}", count);
-  check(H5DSset_scale(axis.scale, scale.c_str()), "create dimension " + name);
-  return axis;
+  check(H5DSset_scale(dataset, scale.c_str()), "create dimension " + name);
+  return name;
 }
 
 /// The axes of the maps: those of the study, then r1, r3 and r2.
-std::vector<Axis> create_axes(hid_t file, const Study& study) {
-  std::vector<Axis> axes;
+Axes create_axes(hid_t file, const Study& study) {
+  Axes axes;
   for (const OuterAxis& axis : study.job().outer_axes) {
     const Key& key = key_of(axis);
     axes.push_back(create_axis(file, dataset_name(axis.name()), axis.values, key.meaning,
@@ -110,9 +107,9 @@ void create_map(hid_t file, const Axes& axes, Field field, const Skeleton& skele
     check(H5Pset_shuffle(properties), what);
     check(H5Pset_deflate(properties, static_cast<unsigned>(output.compression)), what);
   }
-  const hdf5::Dataset map = hdf5::create_dataset(file, name, type, extents_of(axes), properties);
-  attach(map, axes);
-  describe(map, info(field).meaning, info(field).units);
+  const hdf5::Dataset map =
+      hdf5::create_dataset(file, name, type, extents_of(file, axes), properties);
+  describe(file, map, axes, info(field).meaning, info(field).units);
   if (field != Field::status && std::ranges::count(output.fields, Field::status) > 0)
     hdf5::write_attribute(map, "ancillary_variables", "status");
   // Flags have no _FillValue, which would make xarray convert them to floats: the flag 0 marks the
@@ -129,30 +126,28 @@ void create_map(hid_t file, const Axes& axes, Field field, const Skeleton& skele
 void create_optima(hid_t file, const Axes& outer, const Skeleton& skeleton) {
   const FieldInfo& objective = info(skeleton.job().optimum.objective);
   const FieldInfo &speed = info(Field::speed), &time = info(Field::release_time);
-  struct Description {
-    std::string_view units, text;
-  };
-  const std::array<Description, best_names.size()> descriptions{
-      {{objective.units, objective.meaning},
-       {speed.units, speed.meaning},
-       {"m", r1_text},
-       {"m", r3_text},
-       {"m", r2_text},
-       {time.units, time.meaning},
-       {objective.units, "error of best_value, for its lengths"}}};
+  const std::array<std::string_view, best_names.size()> units{
+      objective.units, speed.units, "m", "m", "m", time.units, objective.units};
+  const std::array<std::string_view, best_names.size()> texts{
+      objective.meaning,
+      speed.meaning,
+      r1_text,
+      r3_text,
+      r2_text,
+      time.meaning,
+      "error of best_value, for its lengths"};
   for (std::size_t d = 0; d < best_names.size(); ++d) {
     std::vector<double> values;
     for (const BestDesign& best : skeleton.optima) values.push_back(to_numbers(best)[d]);
-    const auto& [units, text] = descriptions[d];
-    const hdf5::Dataset dataset = create(file, std::string(best_names[d]), outer, values,
-                                         fmt::format("{}, at the optimum of the scene", text));
-    hdf5::write_attribute(dataset, "units", std::string(units));
+    const hdf5::Dataset dataset =
+        create(file, std::string(best_names[d]), outer, values,
+               fmt::format("{}, at the optimum of the scene", texts[d]), units[d]);
     hdf5::write_attribute(dataset, "_FillValue", H5T_IEEE_F64LE, {&BestDesign::nan, 1});
   }
 }
 
 /// Creates the datasets that tell which cells of the maps hold designs.
-void create_lattices(hid_t file, const Axes& axes, const Study& study) {
+void create_lattices(hid_t file, const Axes& outer, const Study& study) {
   const auto& lattices = study.lattices();
   const auto [n1, n3, n2] = study.extent();
   std::vector<unsigned char> has_r1(lattices.size() * n1, 0);
@@ -163,21 +158,18 @@ void create_lattices(hid_t file, const Axes& axes, const Study& study) {
   }
   for (std::uint64_t scene = 0; scene < study.scenes(); ++scene)
     of_scene.push_back(study.lattice_of(scene));
-  const Axis lattice = create_dimension(file, "lattice", lattices.size());
-  const std::size_t outer = axes.size() - 3;
-  create(file, "scene_lattice", {axes.begin(), axes.begin() + static_cast<std::ptrdiff_t>(outer)},
-         of_scene, "number of the lattice of a scene");
-  create(file, "lattice_r1", {&lattice, axes[outer]}, has_r1,
-         "1 where a lattice has designs with this r1");
-  create(file, "lattice_rows", {&lattice, axes[outer + 1]}, rows,
+  const std::string lattice = create_dimension(file, "lattice", lattices.size());
+  create(file, "scene_lattice", outer, of_scene, "number of the lattice of a scene");
+  create(file, "lattice_r1", {lattice, "r1"}, has_r1, "1 where a lattice has designs with this r1");
+  create(file, "lattice_rows", {lattice, "r3"}, rows,
          "number of designs along r2, the first ones, at each r3 of a lattice");
 }
 
 template <class Names>
-void create_table(hid_t file, const std::string& name, const Axis& tile, const Names& columns,
+void create_table(hid_t file, const std::string& name, const Names& columns,
                   const std::vector<std::uint64_t>& values, const std::string& long_name) {
-  const Axis column = create_dimension(file, name + "_column", columns.size());
-  const hdf5::Dataset table = create(file, name, {&tile, &column}, values, long_name);
+  const std::string column = create_dimension(file, name + "_column", columns.size());
+  const hdf5::Dataset table = create(file, name, {"tile", column}, values, long_name);
   hdf5::write_attribute(table, "columns", fmt::format("{}", fmt::join(columns, " ")));
 }
 
@@ -187,42 +179,38 @@ void create_tables(hid_t file, const Skeleton& skeleton, const TileTable& table)
   for (std::uint64_t t = 0; t < tiling.size(); ++t) {
     const auto [scene, block] = tiling.tile(t);
     blocks.push_back(scene);
-    blocks.insert(blocks.end(), block.first.begin(), block.first.end());
-    blocks.insert(blocks.end(), block.count.begin(), block.count.end());
+    std::ranges::copy(block.first, std::back_inserter(blocks));
+    std::ranges::copy(block.count, std::back_inserter(blocks));
   }
-  const Axis tile = create_dimension(file, "tile", tiling.size());
-  create_table(file, "tile_block", tile, block_columns, blocks,
+  create_dimension(file, "tile", tiling.size());
+  create_table(file, "tile_block", block_columns, blocks,
                "scene, first cell and extent of the tile");
-  create_table(file, "tile_designs", tile, status_names, table.designs,
+  create_table(file, "tile_designs", status_names, table.designs,
                "designs of the tile with each status");
   std::vector<std::string> maps;
   for (const Field field : skeleton.maps()) maps.push_back(dataset_name(field));
   if (maps.empty()) return;
-  create_table(file, "tile_checksum", tile, maps, table.checksums,
+  create_table(file, "tile_checksum", maps, table.checksums,
                "XXH3 checksum of the tile in each map");
 }
 
-/// Writes one cell in each of some chunks of a map.
-void write_cells(hid_t map, double fill, const Skeleton& skeleton, const TileRange& tiles) {
+/// Writes one cell in each of some chunks of all maps.
+void write_cells(hid_t file, const Skeleton& skeleton, const TileRange& tiles) {
   if (tiles.first == tiles.end) return;
   const std::string what = "allocate a map";
-  const hdf5::Dataspace space(H5Dget_space(map), what);
   const auto extents = map_extents(skeleton.study);
   std::vector<hsize_t> cells;
-  for (std::uint64_t t = tiles.first; t < tiles.end; ++t) {
-    const auto cell = map_block(skeleton.tiling.tile(t), extents).first;
-    cells.insert(cells.end(), cell.begin(), cell.end());
-  }
+  for (std::uint64_t t = tiles.first; t < tiles.end; ++t)
+    std::ranges::copy(map_block(skeleton.tiling.tile(t), extents).first, std::back_inserter(cells));
   const hsize_t count = tiles.end - tiles.first;
-  check(H5Sselect_elements(space, H5S_SELECT_SET, count, cells.data()), what);
   const hdf5::Dataspace memory(H5Screate_simple(1, &count, nullptr), what);
-  const std::vector<double> values(count, fill);
-  check(H5Dwrite(map, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()), what);
-}
-
-void write_cells(hid_t file, const Skeleton& skeleton, const TileRange& tiles) {
-  for (const Field field : skeleton.maps())
-    write_cells(hdf5::open_dataset(file, dataset_name(field)), fill_value(field), skeleton, tiles);
+  for (const Field field : skeleton.maps()) {
+    const hdf5::Dataset map = hdf5::open_dataset(file, dataset_name(field));
+    const hdf5::Dataspace space(H5Dget_space(map), what);
+    check(H5Sselect_elements(space, H5S_SELECT_SET, count, cells.data()), what);
+    const std::vector<double> values(count, fill_value(field));
+    check(H5Dwrite(map, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()), what);
+  }
 }
 
 }  // namespace
@@ -232,15 +220,11 @@ void create_skeleton(const std::filesystem::path& path, const Skeleton& skeleton
   hdf5::silence();
   const std::string what = "create " + path.string();
   hdf5::File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), what);
-  {
-    const std::vector<Axis> created = create_axes(file, skeleton.study);
-    Axes axes;
-    for (const Axis& axis : created) axes.push_back(&axis);
-    for (const Field field : skeleton.maps()) create_map(file, axes, field, skeleton);
-    if (is_study(skeleton.job())) create_optima(file, {axes.begin(), axes.end() - 3}, skeleton);
-    create_lattices(file, axes, skeleton.study);
-    create_tables(file, skeleton, table);
-  }
+  const Axes axes = create_axes(file, skeleton.study), outer(axes.begin(), axes.end() - 3);
+  for (const Field field : skeleton.maps()) create_map(file, axes, field, skeleton);
+  if (is_study(skeleton.job())) create_optima(file, outer, skeleton);
+  create_lattices(file, outer, skeleton.study);
+  create_tables(file, skeleton, table);
   file.close(what);
 }
 
@@ -273,14 +257,13 @@ void write_attributes(const std::filesystem::path& path, const Job& job,
   const FieldInfo& objective = info(job.optimum.objective);
   constexpr double nan = BestDesign::nan;
   const MeasuredError error = summary.error.value_or(MeasuredError{nan, nan, nan, 0});
-  using Count = unsigned long long;
   write("format_version", format_version);
   write("Conventions", "CF-1.10");
   write("title", (is_study(job) ? "Trebuchet study " : "Trebuchet sweep ") +
                      std::filesystem::path(job.output.file).stem().string());
   write("source", version_text());
   write("kernel", std::string(instruction_set()));
-  write("numerics_version", Count{numerics_version});
+  write("numerics_version", std::uint64_t{numerics_version});
   write("history", fmt::format("{}", fmt::join(history, "\n")));
   write("job", to_text(job));
   write("scene", scene_text(job));
@@ -289,10 +272,10 @@ void write_attributes(const std::filesystem::path& path, const Job& job,
   write("error_median", error.median);
   write("error_largest", error.largest);
   write("error_at_optimum", error.at_optimum);
-  write("error_designs", Count{error.designs});
-  write("designs", Count{summary.tally.designs()});
-  write("steps", Count{summary.tally.steps});
-  write("lane_steps", Count{summary.tally.lane_steps});
+  write("error_designs", error.designs);
+  write("designs", summary.tally.designs());
+  write("steps", summary.tally.steps);
+  write("lane_steps", summary.tally.lane_steps);
   write("integration_seconds", summary.tally.integration_seconds);
   write("sweep_seconds", summary.tally.sweep_seconds);
   const auto scene = summary.best();

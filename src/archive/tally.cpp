@@ -23,11 +23,8 @@ void Tally::add(const SwingResult& result, std::uint64_t cell, const Design<doub
   first_cells[status] = std::min(first_cells[status], cell);
   steps += result.steps;
   if (!has_speed(result.status) || !std::isfinite(value) || value < best.value) return;
-  BestDesign candidate;
-  candidate.value = value;
-  candidate.speed = result.speed;
-  candidate.design = design;
-  candidate.release_time = result.release_time;
+  const BestDesign candidate{
+      .value = value, .speed = result.speed, .design = design, .release_time = result.release_time};
   if (is_better(candidate, best)) best = candidate;
 }
 

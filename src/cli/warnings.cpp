@@ -93,7 +93,7 @@ void add(std::vector<std::string>& lines, const std::string& line) {
 /// The largest speed of the optimum and the checked designs, m/s; 0 without a release.
 double largest_speed(const BestDesign& optimum, std::span<const Check> checks) {
   double largest = optimum.exists() ? optimum.speed : 0;
-  for (const Check& c : checks) largest = std::fmax(largest, c.speed);  // fmax(x, NaN) is x
+  for (const Check& c : checks) largest = std::fmax(largest, c.result.speed);  // fmax(x, NaN) is x
   return largest;
 }
 
@@ -102,7 +102,7 @@ std::string efficiency_warning(std::span<const Check> checks, double largest_spe
   // The efficiency of a design that hardly moves is a quotient of rounding errors.
   constexpr double moving = 1e-3;
   const auto is_impossible = [&](const Check& c) {
-    return c.efficiency > 1 + rounding && c.speed > moving * largest_speed;
+    return c.efficiency > 1 + rounding && c.result.speed > moving * largest_speed;
   };
   const auto count = std::count_if(checks.begin(), checks.end(), is_impossible);
   if (count == 0) return "";
@@ -124,15 +124,15 @@ std::string advice(const Solver& solver) {
 }
 
 std::string status_warning(std::span<const Check> checks, const Solver& solver) {
-  const auto differs = [](const Check& c) { return c.status != c.accurate_status; };
+  const auto differs = [](const Check& c) { return c.result.status != c.accurate.status; };
   const auto first = std::find_if(checks.begin(), checks.end(), differs);
   if (first == checks.end()) return "";
   return fmt::format(
       "a different status when integrated accurately in {} of {} designs checked, such as {}: {} "
       "instead of {}; {}",
       std::count_if(checks.begin(), checks.end(), differs), checks.size(), text_of(first->design),
-      name_of(first->accurate_status), name_of(first->status),
-      first->status == Status::step_budget ? "increase solver.max-steps" : advice(solver));
+      name_of(first->accurate.status), name_of(first->result.status),
+      first->result.status == Status::step_budget ? "increase solver.max-steps" : advice(solver));
 }
 
 std::string speed_warning(const MeasuredError& error, double largest_speed, const Solver& solver) {

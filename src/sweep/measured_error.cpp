@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <limits>
-#include <numeric>
 #include <set>
+#include <utility>
 
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/job/sample.hpp"
@@ -30,12 +29,6 @@ std::size_t sample_size(const Lattice& lattice, const Job& job) {
   return std::clamp<std::size_t>(designs / 400, 256, 1024);
 }
 
-/// The number of designs near the one with the largest error that are searched for larger ones.
-std::size_t candidates_around_worst(const Job& job, std::size_t spread) {
-  // Where an elastic sling goes slack, single designs have errors far larger than their neighbours.
-  return job.scene.sling_stiffness > 0 ? 16384 : spread / 4;
-}
-
 /// A box around an index that extends a fraction of the lattice to each side.
 Block box_around(const Index3& centre, double fraction, const Lattice& lattice) {
   Block box{};
@@ -49,23 +42,6 @@ Block box_around(const Index3& centre, double fraction, const Lattice& lattice) 
   return box;
 }
 
-/// Sets the slack and the objective of checks, which take long. In a separate integration, because
-/// a field of the flight changes statuses.
-void add_objectives(const Job& job, std::span<const Design<double>> designs,
-                    std::vector<Check>& checks) {
-  std::vector<Field> fields = deciding_fields(job);
-  fields.push_back(Field::slack);
-  fields = additional_fields(fields);
-  std::vector<SwingResult> results(designs.size());
-  std::vector<double> values(designs.size() * fields.size());
-  const Batch batch{designs, results, fields, values};
-  integrate(job.scene, job.solver, batch);
-  for_each_value(batch, Field::slack,
-                 [&](std::size_t i, double slack) { checks[i].slack = slack; });
-  const std::vector<double> found = objectives(batch, job);
-  for (std::size_t i = 0; i < checks.size(); ++i) checks[i].objective = found[i];
-}
-
 /// Integrates designs with the job's solver and accurately.
 std::vector<Check> check(const Job& job, std::span<const Design<double>> designs,
                          bool with_objective) {
@@ -76,24 +52,28 @@ std::vector<Check> check(const Job& job, std::span<const Design<double>> designs
   integrate_accurately(job.scene, job.solver, {designs, accurate});
   std::vector<Check> checks;
   for (std::size_t i = 0; i < designs.size(); ++i)
-    checks.push_back({.design = designs[i],
-                      .speed = results[i].speed,
-                      .efficiency = efficiencies[i],
-                      .accurate_speed = accurate[i].speed,
-                      .slack = nan,
-                      .objective = nan,
-                      .status = results[i].status,
-                      .accurate_status = accurate[i].status});
-  if (with_objective) add_objectives(job, designs, checks);
+    checks.push_back({designs[i], results[i], accurate[i], efficiencies[i], nan, nan});
+  if (!with_objective) return checks;
+  // In a separate integration, because a field of the flight changes statuses.
+  std::vector<Field> deciding = deciding_fields(job);
+  deciding.push_back(Field::slack);
+  std::vector<double> values(designs.size() * deciding.size());
+  const Batch batch{designs, results, deciding, values};
+  integrate(job.scene, job.solver, batch);
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    const auto of_design = batch.slice(i, 1).values;
+    checks[i].slack = of_design.back();
+    checks[i].objective = objective(of_design, job);
+  }
   return checks;
 }
 
-bool is_begun(const Check& check) { return check.accurate_status != Status::outside_lattice; }
+bool is_begun(const Check& check) { return check.accurate.status != Status::outside_lattice; }
 
 /// Whether a design was integrated accurately, whatever the outcome.
 bool is_measured(const Check& check) {
-  return is_begun(check) && check.accurate_status != Status::step_budget &&
-         check.accurate_status != Status::step_underflow;
+  return is_begun(check) && check.accurate.status != Status::step_budget &&
+         check.accurate.status != Status::step_underflow;
 }
 
 /// How the work is shared out: in parts of at most `part_size` designs, none of which is begun once
@@ -144,12 +124,11 @@ std::vector<Index3> most_sensitive(const Job& job, const Lattice& lattice,
                                    const Shares& shares) {
   const auto changes = on_all_ranks(designs_at(indices, lattice), shares,
                                     [&](const auto& part) { return speed_changes(job, part); });
-  std::vector<std::size_t> order(indices.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return changes[i]; });
-  order.resize(std::min(order.size(), count));
+  std::vector<std::pair<double, Index3>> order;
+  for (std::size_t i = 0; i < indices.size(); ++i) order.emplace_back(-changes[i], indices[i]);
+  std::ranges::stable_sort(order, {}, &std::pair<double, Index3>::first);
   std::vector<Index3> chosen;
-  for (const std::size_t i : order) chosen.push_back(indices[i]);
+  for (std::size_t i = 0; i < std::min(order.size(), count); ++i) chosen.push_back(order[i].second);
   return chosen;
 }
 
@@ -202,7 +181,7 @@ std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
                        const Shares& shares) {
     std::set<Index3> left(indices.begin(), indices.end());
     std::erase_if(left, [&](const Index3& index) { return checked.contains(index); });
-    const auto designs = designs_at({left.begin(), left.end()}, lattice);
+    const auto designs = designs_at(std::vector(left.begin(), left.end()), lattice);
     const auto checks = on_all_ranks(
         designs, shares, [&](const auto& part) { return check(job, part, with_objective); });
     for (const Check& c : checks) {
@@ -217,6 +196,8 @@ std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
   add(sampled, false, hurried);
   const std::set<Index3> is_spread(sampled.begin(), sampled.end());
   for (Check& c : sample.checks) c.spread = is_spread.contains(lattice.index_of(c.design));
+  // Where an elastic sling goes slack, single designs have errors far larger than their neighbours.
+  const std::size_t searched = job.scene.sling_stiffness > 0 ? 16384 : spread / 4;
   for (const double fraction : {1.0 / 8, 1.0 / 16}) {
     // fmax(NaN, x) is x.
     const auto worst = std::max_element(sample.checks.begin(), sample.checks.end(),
@@ -225,7 +206,7 @@ std::optional<ErrorSample> check_scene(const Study& study, std::uint64_t scene,
                                         });
     if (worst == sample.checks.end()) break;
     const Block box = box_around(lattice.index_of(worst->design), fraction, lattice);
-    std::vector<Index3> candidates = sample_box(lattice, box, candidates_around_worst(job, spread));
+    std::vector<Index3> candidates = sample_box(lattice, box, searched);
     std::erase_if(candidates, [&](const Index3& index) { return checked.contains(index); });
     add(most_sensitive(job, lattice, candidates, 16, hurried), false, hurried);
   }

@@ -1,6 +1,5 @@
 #include "trebsweep/sweep/objective.hpp"
 
-#include <algorithm>
 #include <limits>
 
 namespace trebsweep {
@@ -12,29 +11,13 @@ std::vector<Field> deciding_fields(const Job& job) {
   return fields;
 }
 
-std::vector<Field> additional_fields(const std::vector<Field>& fields) {
-  std::vector<Field> additional;
-  for (const Field field : fields)
-    if (!is_basic(field) && std::ranges::count(additional, field) == 0) additional.push_back(field);
-  return additional;
-}
-
-std::vector<double> objectives(const Batch& batch, const Job& job) {
-  std::vector<double> values(batch.results.size());
-  for_each_value(batch, job.optimum.objective,
-                 [&](std::size_t n, double value) { values[n] = value; });
-  const auto exclude_unless = [&](Field field, auto qualifies) {
-    for_each_value(batch, field, [&](std::size_t n, double value) {
-      if (!qualifies(value)) values[n] = std::numeric_limits<double>::quiet_NaN();
-    });
-  };
-  for (const Constraint& constraint : job.optimum.constraints)
-    exclude_unless(constraint.field, [&](double value) {  // false for NaN
-      return violation(constraint, value) <= 0;
-    });
-  if (job.output.optimum_filter == OptimumFilter::taut)
-    exclude_unless(Field::slack, [](double slack) { return slack == 1; });
-  return values;
+double objective(std::span<const double> values, const Job& job) {
+  const auto& constraints = job.optimum.constraints;
+  bool qualifies =
+      job.output.optimum_filter == OptimumFilter::all || values[1 + constraints.size()] == 1;
+  for (std::size_t c = 0; c < constraints.size(); ++c)
+    qualifies = qualifies && violation(constraints[c], values[1 + c]) <= 0;  // false for NaN
+  return qualifies ? values[0] : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace trebsweep

@@ -1,44 +1,12 @@
 #include "trebsweep/sweep/rank_results.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <span>
 
 #include "trebsweep/archive/partial.hpp"
 #include "trebsweep/base/mpi.hpp"
 
 namespace trebsweep {
-namespace {
-
-/// For each tile or scene, the lowest rank that has its results, or `nobody`.
-using Owners = std::vector<std::uint32_t>;
-constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
-
-void combine(Owners& owners, MPI_Comm comm) {
-  const auto lower = [](std::uint32_t a, std::uint32_t b) { return std::min(a, b); };
-  mpi::combine(std::span(owners), lower, comm);
-}
-
-std::vector<std::uint64_t> unowned(const Owners& owners) {
-  std::vector<std::uint64_t> numbers;
-  for (std::uint64_t n = 0; n < owners.size(); ++n)
-    if (owners[n] == nobody) numbers.push_back(n);
-  return numbers;
-}
-
-/// The journals of earlier runs that a rank reads.
-std::vector<std::filesystem::path> share_of_journals(const std::filesystem::path& folder,
-                                                     MPI_Comm comm) {
-  std::vector<std::filesystem::path> share;
-  const auto all = journals_in(folder);
-  const auto ranks = static_cast<std::size_t>(mpi::size(comm));
-  for (auto n = static_cast<std::size_t>(mpi::rank(comm)); n < all.size(); n += ranks)
-    share.push_back(all[n]);
-  return share;
-}
-
-}  // namespace
-
 RankResults::RankResults(const std::filesystem::path& folder, std::size_t run, double start,
                          const Study& study, const Tiling& tiling, MPI_Comm comm)
     : tiling_(tiling),
@@ -46,28 +14,33 @@ RankResults::RankResults(const std::filesystem::path& folder, std::size_t run, d
       written_(start),
       totals_(study.scenes()) {
   const auto rank = static_cast<std::uint32_t>(mpi::rank(comm));
-  Owners tiles(tiling.size(), nobody), scenes(study.scenes(), nobody);
+  const auto ranks = static_cast<std::uint32_t>(mpi::size(comm));
+  // For each record of the sweep, the lowest rank that has it, or none.
+  std::vector<std::uint32_t> owners(tiling.size() + study.scenes(), ranks);
   if (run > 0) {
-    mpi::on_all(comm,
-                [&] { earlier_ = read_records(share_of_journals(folder, comm), study, tiling); });
-    const auto owner = [&](const Record& record) -> std::uint32_t& {
-      return (record.kind == RecordKind::tile ? tiles : scenes)[record.number];
-    };
-    for (const Record& record : earlier_.records) owner(record) = rank;
-    combine(tiles, comm);
-    combine(scenes, comm);
-    std::erase_if(earlier_.records, [&](const Record& record) { return owner(record) != rank; });
+    std::vector<std::filesystem::path> share;  // of the journals of earlier runs
+    mpi::on_all(comm, [&] {
+      for (std::size_t n = 0; const auto& journal : journals_in(folder))
+        if (n++ % ranks == rank) share.push_back(journal);
+      earlier_ = read_records(share, study, tiling);
+    });
+    for (const Record& record : earlier_.records) owners[record.number] = rank;
+    const auto lower = [](std::uint32_t a, std::uint32_t b) { return std::min(a, b); };
+    mpi::combine(std::span(owners), lower, comm);
+    std::erase_if(earlier_.records, [&](const Record& r) { return owners[r.number] != rank; });
     for (const Record& record : earlier_.records) totals_.add(record, tiling);
   }
-  tiles_to_do_ = unowned(tiles);
-  scenes_to_do_ = unowned(scenes);
+  for (std::uint64_t n = 0; n < owners.size(); ++n) {
+    if (owners[n] < ranks) continue;
+    n < tiling.size() ? tiles_to_do_.push_back(n) : scenes_to_do_.push_back(n - tiling.size());
+  }
 }
 
-void RankResults::add(RecordKind kind, std::uint64_t number, std::vector<std::byte> results) {
+void RankResults::add(std::uint64_t number, std::vector<std::byte> results) {
   constexpr double seconds = 1;
   constexpr std::size_t bytes = std::size_t{64} << 20;
-  totals_.add({kind, number, results}, tiling_);
-  journal_.append(kind, number, std::move(results));
+  totals_.add({number, results}, tiling_);
+  journal_.append(number, std::move(results));
   if (MPI_Wtime() - written_ < seconds && journal_.unwritten_bytes() < bytes) return;
   journal_.write();
   written_ = MPI_Wtime();
@@ -90,7 +63,7 @@ void RankResults::combine_optima(MPI_Comm comm) {
 std::vector<Record> RankResults::tiles() {
   auto records = journal_.records();
   records.insert(records.begin(), earlier_.records.begin(), earlier_.records.end());
-  std::erase_if(records, [](const Record& record) { return record.kind != RecordKind::tile; });
+  std::erase_if(records, [&](const Record& record) { return record.number >= tiling_.size(); });
   return records;
 }
 

@@ -17,22 +17,19 @@ std::uint64_t sweep_id(const Job& job, const Tiling& tiling) {
 
 StoredRecords read_records(std::span<const std::filesystem::path> journals, const Study& study,
                            const Tiling& tiling) {
-  const Output& output = study.job().output;
-  std::vector<bool> has_tile(tiling.size()), has_scene(study.scenes());
-  const auto is_first = [](std::vector<bool>& has, std::uint64_t number) {
-    return number < has.size() && !has[number];
+  std::vector<bool> has(tiling.size() + study.scenes());
+  const auto size_of = [&](std::uint64_t number) {
+    return number < tiling.size() ? result_bytes(tiling.tile(number).block, study.job().output)
+                                  : sizeof(BestDesign);
   };
   const std::uint64_t id = sweep_id(study.job(), tiling);
   StoredRecords stored;
   for (const auto& path : journals)
-    for (const Record& record : intact_records(stored.journals.emplace_back(path).bytes(), id)) {
-      const bool is_tile = record.kind == RecordKind::tile;
-      auto& has = is_tile ? has_tile : has_scene;
-      if (!is_first(has, record.number) ||
-          record.results.size() != (is_tile ? result_bytes(tiling.tile(record.number).block, output)
-                                            : sizeof(BestDesign)))
-        continue;
-      has[record.number] = true;
+    for (const Record& record :
+         intact_records(bytes_of(stored.journals.emplace_back(map_file(path))), id)) {
+      const auto& [number, results] = record;
+      if (number >= has.size() || has[number] || results.size() != size_of(number)) continue;
+      has[number] = true;
       stored.records.push_back(record);
     }
   return stored;
@@ -44,8 +41,8 @@ std::vector<std::byte> to_bytes(const BestDesign& optimum) {
 }
 
 void Totals::add(const Record& record, const Tiling& tiling) {
-  if (record.kind == RecordKind::scene) {
-    std::memcpy(&optima[record.number], record.results.data(), sizeof(BestDesign));
+  if (record.number >= tiling.size()) {
+    std::memcpy(&optima[record.number - tiling.size()], record.results.data(), sizeof(BestDesign));
     return;
   }
   const Tally of_tile = tally_of(record);

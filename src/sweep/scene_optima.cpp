@@ -2,9 +2,7 @@
 
 #include <array>
 #include <cmath>
-#include <vector>
 
-#include "trebsweep/sweep/objective.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
@@ -13,12 +11,10 @@ namespace {
 /// The objective of a design, integrated accurately.
 double accurate_value(const Job& job, const Design<double>& design) {
   const Field objective = job.optimum.objective;
-  const std::vector<Field> fields = additional_fields({objective});
   SwingResult result;
-  double value = 0;
-  const Batch batch{{&design, 1}, {&result, 1}, fields, {&value, fields.size()}};
-  integrate_accurately(job.scene, job.solver, batch);
-  for_each_value(batch, objective, [&](std::size_t, double v) { value = v; });
+  double value;
+  integrate_accurately(job.scene, job.solver,
+                       {{&design, 1}, {&result, 1}, {&objective, 1}, {&value, 1}});
   return value;
 }
 

@@ -5,7 +5,7 @@
 namespace trebsweep {
 namespace {
 
-std::uint64_t cells(const Index3& edge) { return std::uint64_t{edge[0]} * edge[1] * edge[2]; }
+std::uint64_t cells(const Index3& edge) { return Block{{}, edge}.cells(); }
 
 std::uint64_t tiles_along(const Index3& extent, const Index3& edge, std::size_t axis) {
   return (extent[axis] + edge[axis] - 1) / edge[axis];

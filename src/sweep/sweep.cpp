@@ -22,20 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The state of a sweep before its first tile.
-struct Start {
-  bool complete = false;  ///< the archive of this job already exists
-  std::size_t run = 0;    ///< the number of this run of the sweep
-  Index3 tile_edge{};
-  double design_seconds = 0;  ///< to integrate a design; 0: not measured
-};
-
 /// What every stage of a sweep uses.
 struct Context {
   const Study& study;
   const Tiling& tiling;
   const SweepOptions& options;
-  Start start;
   double start_time;  ///< MPI_Wtime() at the start
   MPI_Comm comm;
 };
@@ -51,19 +42,18 @@ void check_kernels(MPI_Comm comm) {
 }
 
 /// Describes a new sweep. For rank 0.
-PartialSweep new_sweep(const Study& study, const SweepOptions& options, const OutputFile& output,
-                       double& design_seconds) {
+PartialSweep new_sweep(const Study& study, const SweepOptions& options, std::string replaces) {
   const Job& job = study.job();
   const auto edge = [&] {
-    design_seconds = seconds_per_design(study, options.stop);
-    return tile_edge(study.extent(), study.scenes(), job.output.maps, design_seconds);
+    return tile_edge(study.extent(), study.scenes(), job.output.maps,
+                     Compute(study).seconds_per_design());
   };
   return {.job = to_text(job),
           .source = version_text(),
           .kernel = std::string(instruction_set()),
           .numerics = numerics_version,
           .tile_edge = options.tile_edge ? *options.tile_edge : edge(),
-          .replaces = output.replaces,
+          .replaces = std::move(replaces),
           .history = {}};
 }
 
@@ -77,16 +67,32 @@ void state_space(const SweepOptions& options, std::uintmax_t archive, std::uintm
                             archive == 0 ? "" : ", then " + size_text(archive)));
 }
 
-/// Prepares the folder, clearing that of a new sweep, and describes the sweep in it. For rank 0.
-void open_folder(const Context& context, const OutputFile& output, const PartialSweep& sweep) {
+/// Describes a run in the folder of its sweep, which it clears for a new one. For rank 0.
+PartialSweep open_folder(const Study& study, const SweepOptions& options, const OutputFile& output,
+                         int ranks) {
   const fs::path folder = partial_path(output.path);
-  if (context.start.run == 0) {
-    const auto [archive, journals] = needed_space(context.study, context.tiling);
-    require_space(context.study.job(), unfinished_archive(folder), archive, archive + journals);
-    state_space(context.options, archive, journals);
+  PartialSweep sweep =
+      output.partial ? *output.partial : new_sweep(study, options, output.replaces);
+  if (!output.partial) {
+    const auto [archive, journals] = needed_space(study, Tiling(study, sweep.tile_edge));
+    require_space(study.job(), unfinished_archive(folder), archive, archive + journals);
+    state_space(options, archive, journals);
     clear_partial(folder);
   }
+  sweep.history.push_back(history_line(options.command, ranks));
   write_partial_sweep(folder, sweep);
+  return sweep;
+}
+
+/// Throws mpi::RootError if a rank cannot see the folder of a sweep, as when ranks run in different
+/// directories or on file systems that they do not share. Collective.
+void require_visible(const fs::path& folder, MPI_Comm comm) {
+  mpi::on_all(comm, [&] {
+    if (!fs::exists(folder))
+      throw std::runtime_error(fmt::format(
+          "rank {} cannot see {}: all ranks must run in the same directory of a shared file system",
+          mpi::rank(comm), folder.string()));
+  });
 }
 
 /// The numbers of designs in the first n tiles of a list, n = 0, 1, ...
@@ -103,7 +109,7 @@ std::vector<std::uint64_t> cumulated_designs(const Context& context,
 /// Computes the tiles that are to be done, which the ranks share out. Collective; returns whether
 /// all are done. Throws mpi::RootError if a journal cannot be written.
 bool compute_tiles(const Context& context, RankResults& results) {
-  const auto& [study, tiling, options, start, start_time, comm] = context;
+  const auto& [study, tiling, options, start_time, comm] = context;
   const Output& output = study.job().output;
   const auto& to_do = results.tiles_to_do();
   const auto designs = cumulated_designs(context, to_do);
@@ -112,36 +118,19 @@ bool compute_tiles(const Context& context, RankResults& results) {
                     mpi::rank(comm) == 0 ? options.progress : ProgressStyle::none);
   const double ranks = mpi::size(comm);
   double counted = start_time;  // the time up to which tallies count
-  const auto work = [&, &study = study, &tiling = tiling](
-                        const TileRange& range,
-                        const std::function<bool()>& poll) -> std::uint64_t {
-    std::vector<Tile> tiles;
-    for (std::uint64_t n = range.first; n < range.end; ++n) tiles.push_back(tiling.tile(to_do[n]));
+  Compute compute(study);
+  const auto work = [&, &study = study, &tiling = tiling](std::uint64_t n,
+                                                          const std::function<void()>& poll) {
     const double begin = MPI_Wtime();
-    auto computed = compute(tiles, study, poll);
+    auto [maps, tally] = compute.tile(tiling.tile(to_do[n]), poll);
     const double end = MPI_Wtime();
-    const std::uint64_t done = range.first + computed.size();
-    const auto all = static_cast<double>(designs[done] - designs[range.first]);
-    for (std::size_t i = 0; i < computed.size(); ++i) {
-      auto& [values, tally] = computed[i];
-      const double share = static_cast<double>(tally.designs()) / all / ranks;
-      tally.integration_seconds = share * (end - begin);
-      tally.sweep_seconds = share * (end - counted);
-      results.add(RecordKind::tile, to_do[range.first + i],
-                  to_bytes(tally, std::move(values), output));
-    }
+    tally.integration_seconds = (end - begin) / ranks;
+    tally.sweep_seconds = (end - counted) / ranks;
     counted = end;
-    progress.update(before + designs[done]);
-    return computed.size();
+    results.add(to_do[n], to_bytes(tally, std::move(maps), output));
+    progress.update(before + designs[n + 1]);
   };
-  const double tile_seconds = start.design_seconds * static_cast<double>(study.designs()) /
-                              static_cast<double>(tiling.size());
-  // As many as share_out() wants; a resumed sweep has not measured the time.
-  const double first = tile_seconds > 0 ? std::clamp(0.25 / tile_seconds, 1.0, 1e9) : 1;
-  const std::uint64_t most = std::max<std::uint64_t>(
-      1, (std::uint64_t{64} << 20) / result_bytes({{}, tiling.edge()}, output));
-  const bool all =
-      share_out(to_do.size(), static_cast<std::uint64_t>(first), most, work, options.stop, comm);
+  const bool all = share_out(to_do.size(), work, options.stop, comm);
   results.totals().tally.sweep_seconds += (MPI_Wtime() - counted) / ranks;
   results.combine_tiles(comm);
   return all;
@@ -155,18 +144,12 @@ bool find_optima(const Context& context, RankResults& results) {
   const auto& best = results.totals().best;
   auto to_do = results.scenes_to_do();
   std::erase_if(to_do, [&](std::uint64_t scene) { return !best[scene].exists(); });
-  const auto work = [&](const TileRange& range, const std::function<bool()>& poll) {
-    std::uint64_t n = range.first;
-    do {
-      const std::uint64_t scene = to_do[n++];
-      const BestDesign optimum =
-          scene_optimum(job_at(job, scene), best[scene], context.options.refine);
-      results.add(RecordKind::scene, scene, to_bytes(optimum));
-    } while (n < range.end && !poll());
-    return n - range.first;
+  const auto work = [&](std::uint64_t n, const std::function<void()>&) {
+    const std::uint64_t scene = to_do[n];
+    results.add(context.tiling.size() + scene,
+                to_bytes(scene_optimum(job_at(job, scene), best[scene], context.options.refine)));
   };
-  constexpr std::uint64_t most = 100'000;
-  const bool all = share_out(to_do.size(), 1, most, work, context.options.stop, context.comm);
+  const bool all = share_out(to_do.size(), work, context.options.stop, context.comm);
   results.combine_optima(context.comm);
   return all;
 }
@@ -175,7 +158,7 @@ bool find_optima(const Context& context, RankResults& results) {
 void write_output(const Context& context, const OutputFile& output,
                   const std::vector<std::string>& history, const fs::path& folder,
                   RankResults& results, Summary& summary) {
-  const auto& [study, tiling, options, started, start_time, comm] = context;
+  const auto& [study, tiling, options, start_time, comm] = context;
   const fs::path file = unfinished_archive(folder);
   const double start = MPI_Wtime();
   const auto own = results.tiles();
@@ -196,37 +179,28 @@ void write_output(const Context& context, const OutputFile& output,
 
 std::optional<SweepResult> sweep(const Study& study, const SweepOptions& options, MPI_Comm comm) {
   const double start_time = MPI_Wtime();
-  Start start;
   check_kernels(comm);
   // On rank 0 only; the first holds the lock.
   OutputFile output;
   PartialSweep description;
   const fs::path folder = mpi::text_of_root(comm, [&] {
     output = open_or_resume(study.job(), options.overwrite);
-    start.complete = output.complete;
-    if (!start.complete) {
-      description = output.partial ? *output.partial
-                                   : new_sweep(study, options, output, start.design_seconds);
-      start.tile_edge = description.tile_edge;
-      start.run = description.history.size();
-      description.history.push_back(history_line(options.command, mpi::size(comm)));
-    }
+    if (output.complete) return std::string();
+    description = open_folder(study, options, output, mpi::size(comm));
     return partial_path(output.path).string();
   });
-  start = mpi::from_root(start, comm);
-  if (start.complete) return std::nullopt;
-
-  const Tiling tiling(study, start.tile_edge);
-  const Context context{study, tiling, options, start, start_time, comm};
-  mpi::on_root(comm, [&] { open_folder(context, output, description); });
+  if (folder.empty()) return std::nullopt;
   try {
     require_visible(folder, comm);
   } catch (const mpi::RootError&) {
-    if (mpi::rank(comm) == 0 && start.run == 0) clear_partial(folder);
+    if (mpi::rank(comm) == 0 && !output.partial) clear_partial(folder);
     throw;
   }
 
-  RankResults results(folder, start.run, start_time, study, tiling, comm);
+  const Tiling tiling(study, mpi::from_root(description.tile_edge, comm));
+  const std::size_t run = mpi::from_root(description.history.size(), comm);
+  const Context context{study, tiling, options, start_time, comm};
+  RankResults results(folder, run - 1, start_time, study, tiling, comm);
   bool complete = compute_tiles(context, results) && find_optima(context, results);
   SweepResult result{.summary = results.totals().summary(), .samples = {}};
   if (complete && study.job().solver.check) {

@@ -17,7 +17,7 @@ Unfinished read_unfinished(const std::filesystem::path& folder) {
   auto [journals, records] = read_records(journals_in(folder), study, tiling);
   Totals totals(study.scenes());
   for (const Record& record : records) totals.add(record, tiling);
-  std::erase_if(records, [](const Record& record) { return record.kind != RecordKind::tile; });
+  std::erase_if(records, [&](const Record& record) { return record.number >= tiling.size(); });
   Summary summary = totals.summary();
   summary.complete = false;
   return {description, study, tiling, std::move(journals), std::move(records), summary};

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "trebsweep/base/mpi.hpp"
+#include "trebsweep/job/tiling.hpp"
 #include "trebsweep/sweep/schedule.hpp"
 
 namespace trebsweep {
@@ -103,24 +104,23 @@ class WorkQueue {
 
 }  // namespace
 
-bool share_out(
-    std::uint64_t size, std::uint64_t first, std::uint64_t most,
-    const std::function<std::uint64_t(const TileRange&, const std::function<bool()>&)>& work,
-    const std::function<bool()>& stop, MPI_Comm comm) {
+bool share_out(std::uint64_t size,
+               const std::function<void(std::uint64_t, const std::function<void()>&)>& work,
+               const std::function<bool()>& stop, MPI_Comm comm) {
   constexpr double target_seconds = 0.25;
   WorkQueue queue(size, comm);
-  const auto poll = [&] {
-    queue.answer();
-    return stop();
-  };
-  std::uint64_t finished = 0, part = std::clamp<std::uint64_t>(first, 1, most);
+  const auto poll = [&] { queue.answer(); };
+  std::uint64_t finished = 0, part = 1;
   const auto work_on = [&] {
     for (TileRange range = queue.claim(part); range.first < range.end; range = queue.claim(part)) {
       const double start = MPI_Wtime();
-      const std::uint64_t count = range.end - range.first, done = work(range, poll);
-      finished += done;
-      if (done < count || stop()) return queue.close();
-      part = std::min(next_count(count, MPI_Wtime() - start, target_seconds), most);
+      for (std::uint64_t n = range.first; n < range.end; ++n) {
+        work(n, poll);
+        ++finished;
+        poll();
+        if (stop()) return queue.close();
+      }
+      part = next_count(range.end - range.first, MPI_Wtime() - start, target_seconds);
     }
   };
   mpi::on_all(comm, [&] {

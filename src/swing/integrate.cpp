@@ -1,7 +1,6 @@
 #include "trebsweep/swing/integrate.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -31,7 +30,7 @@ Work integrate_one_by_one(const Scene& scene, const Solver& solver, const Batch&
   });
 }
 
-/// integrate() for fields that do not need an integration of their own.
+/// integrate(), in which fields that are not is_of_swing() stay NaN.
 Work integrate_swings(const Scene& scene, const Solver& solver, const Batch& batch) {
   return is_for_packs(solver.stepper) ? integrate_packs(scene, solver, batch)
                                       : integrate_one_by_one(scene, solver, batch);
@@ -72,21 +71,23 @@ Solver accurate(const Scene& scene, const Solver& limits, double tolerance) {
 
 Work integrate(const Scene& scene, const Solver& solver, const Batch& batch) {
   const auto& [designs, results, fields, values] = batch;
-  std::vector<Field> ordinary;
-  std::copy_if(fields.begin(), fields.end(), std::back_inserter(ordinary),
-               [](Field field) { return !is_separate(field); });
-  if (ordinary.size() == fields.size()) return integrate_swings(scene, solver, batch);
-
-  std::vector<double> ordinary_values(designs.size() * ordinary.size());
-  const Work work = integrate_swings(scene, solver, {designs, results, ordinary, ordinary_values});
-  for (std::size_t f = 0, s = 0; f < fields.size(); ++f) {
-    std::vector<double> separate;
-    if (is_separate(fields[f]))
-      separate = separate_values(fields[f], scene, solver, designs, results);
-    for (std::size_t i = 0; i < designs.size(); ++i)
-      values[i * fields.size() + f] =
-          separate.empty() ? ordinary_values[i * ordinary.size() + s] : separate[i];
-    if (separate.empty()) ++s;
+  const bool computes = std::ranges::any_of(fields, is_of_swing);
+  const Work work = integrate_swings(scene, solver, computes ? batch : Batch{designs, results});
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    const auto set = [&, &values = values, &fields = fields, &results = results](auto value) {
+      for (std::size_t i = 0; i < results.size(); ++i)
+        values[i * fields.size() + f] = static_cast<double>(value(i));
+    };
+    const Field field = fields[f];
+    if (field == Field::speed) set([&, &r = results](std::size_t i) { return r[i].speed; });
+    if (field == Field::release_time)
+      set([&, &r = results](std::size_t i) { return r[i].release_time; });
+    if (field == Field::status) set([&, &r = results](std::size_t i) { return r[i].status; });
+    if (field == Field::steps) set([&, &r = results](std::size_t i) { return r[i].steps; });
+    if (info(field).kind == FieldKind::separate) {
+      const auto separate = separate_values(field, scene, solver, designs, results);
+      set([&](std::size_t i) { return separate[i]; });
+    }
   }
   return work;
 }

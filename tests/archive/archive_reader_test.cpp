@@ -226,7 +226,7 @@ TEST_CASE("Of an archive of another version only the header is read") {
   const TemporaryDirectory directory;
   const auto path = directory / "a.h5";
   write_all(path, SmallStudy());
-  change(path, [](hid_t file) { replace_attribute(file, "format_version", 99ULL); });
+  change(path, [](hid_t file) { replace_attribute(file, "format_version", std::uint64_t{99}); });
   CHECK(read_header(path).history == "a run");
   CHECK_THROWS_WITH(read_contents(path), contains("format_version is 99"));
 }

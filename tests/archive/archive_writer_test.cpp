@@ -179,7 +179,7 @@ TEST_CASE("The results of a tile are the same after they were stored as bytes") 
   const auto values = values_of(small, tile);
   const auto bytes = to_bytes(tally, values, output);
   CHECK(bytes.size() == result_bytes(tile.block, output));
-  const Tally stored = tally_of({RecordKind::tile, 2, bytes});
+  const Tally stored = tally_of({2, bytes});
   CHECK(std::ranges::equal(std::as_bytes(std::span(&stored, 1)),
                            std::as_bytes(std::span(&tally, 1))));
   const auto numbers = std::as_bytes(std::span(values[0]));
@@ -207,9 +207,9 @@ TEST_CASE("Values are rounded to float32, and those beyond its range are infinit
 
 TEST_CASE("The sizes of journals and archive are known before they are written") {
   const SmallStudy small;
-  std::uintmax_t records = 40 + sizeof(BestDesign);  // of the scene
+  std::uintmax_t records = record_header_bytes + sizeof(BestDesign);  // of the scene
   for (std::uint64_t t = 0; t < small.tiling.size(); ++t)
-    records += 40 + sizeof(Tally) + small.tiling.tile(t).block.cells() * 9;
+    records += record_header_bytes + sizeof(Tally) + small.tiling.tile(t).block.cells() * 9;
   const TemporaryFile file("archive_size");
   write_together(file.path(), small);
   const auto size = static_cast<double>(std::filesystem::file_size(file.path()));

@@ -25,7 +25,7 @@ constexpr std::uint64_t records = 20, sweep = 7;
 std::vector<std::byte> some_journal(const fs::path& path) {
   Journal journal(path, sweep);
   for (std::uint64_t n = 0; n < records; ++n) {
-    journal.append(n % 3 == 2 ? RecordKind::scene : RecordKind::tile, n, results_of(n));
+    journal.append(n, results_of(n));
     if (n == 5) journal.write();
   }
   CHECK(journal.unwritten_bytes() > 0);
@@ -39,8 +39,7 @@ std::vector<std::byte> some_journal(const fs::path& path) {
 /// The numbers of the records, which must be intact.
 std::vector<std::uint64_t> numbers_of(const std::vector<Record>& found) {
   std::vector<std::uint64_t> numbers;
-  for (const auto& [kind, number, results] : found) {
-    CHECK(kind == (number % 3 == 2 ? RecordKind::scene : RecordKind::tile));
+  for (const auto& [number, results] : found) {
     CHECK(std::ranges::equal(results, results_of(number)));
     numbers.push_back(number);
   }
@@ -61,14 +60,14 @@ TEST_CASE("The records of a journal are those that were appended, written or not
   const fs::path file = directory / "a.journal";
   Journal journal(file, sweep);
   CHECK(journal.records().empty());
-  journal.append(RecordKind::tile, 0, results_of(0));
+  journal.append(0, results_of(0));
   CHECK_FALSE(fs::exists(file));
-  journal.append(RecordKind::tile, 4, results_of(4));
+  journal.append(4, results_of(4));
   CHECK(numbers_of(journal.records()) == std::vector<std::uint64_t>{0, 4});
   journal.write();
-  journal.append(RecordKind::scene, 2, results_of(2));
+  journal.append(2, results_of(2));
   CHECK(numbers_of(journal.records()) == std::vector<std::uint64_t>{0, 4, 2});
-  CHECK(numbers_of(intact_records(MappedFile(file).bytes(), sweep)) ==
+  CHECK(numbers_of(intact_records(bytes_of(map_file(file)), sweep)) ==
         std::vector<std::uint64_t>{0, 4});
 }
 
@@ -76,7 +75,7 @@ TEST_CASE("A journal that ends within its last record has all others") {
   const TemporaryDirectory directory;
   const fs::path file = directory / "cut.journal";
   const auto journal = some_journal(file);
-  const std::size_t last = 40 + records - 1;
+  const std::size_t last = record_header_bytes + records - 1;
   for (std::size_t cut = 1; cut <= last; ++cut)
     CHECK(numbers_of(intact_records(std::span(journal).first(journal.size() - cut), sweep)) ==
           all_but(records - 1));
@@ -90,7 +89,7 @@ TEST_CASE("A record in which any bit is flipped is missing, and no other") {
   std::size_t end = 0;
   for (std::uint64_t n = 0; n < records; ++n) {
     const std::size_t begin = end;
-    end = begin + 40 + n;
+    end = begin + record_header_bytes + n;
     for (std::size_t bit = 8 * begin; bit < 8 * end; ++bit) {
       const std::byte flip{static_cast<unsigned char>(1 << bit % 8)};
       journal[bit / 8] ^= flip;
@@ -114,18 +113,18 @@ TEST_CASE("A journal never replaces a file") {
   const fs::path file = directory / "existing.journal";
   write_file(file, "precious");
   Journal journal(file, sweep);
-  journal.append(RecordKind::tile, 1, results_of(1));
+  journal.append(1, results_of(1));
   CHECK_THROWS_WITH(journal.write(), contains("cannot create") && contains("existing.journal"));
   CHECK(read_file(file) == "precious");
   Journal nowhere("/nowhere/a.journal", sweep);
-  nowhere.append(RecordKind::tile, 1, results_of(1));
+  nowhere.append(1, results_of(1));
   CHECK_THROWS_WITH(nowhere.write(), contains("No such file"));
 }
 
 TEST_CASE("A file that is missing cannot be read, and an empty one has no records") {
   const TemporaryDirectory directory;
   const fs::path file = directory / "missing.journal";
-  CHECK_THROWS_WITH(MappedFile(file), contains("cannot read") && contains("missing.journal"));
+  CHECK_THROWS_WITH(map_file(file), contains("cannot read") && contains("missing.journal"));
   write_file(file, "");
-  CHECK(intact_records(MappedFile(file).bytes(), sweep).empty());
+  CHECK(intact_records(bytes_of(map_file(file)), sweep).empty());
 }

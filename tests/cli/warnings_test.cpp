@@ -77,6 +77,12 @@ Job coarse_job() {
   return job;
 }
 
+/// The check of a released design with a taut sling, without an error.
+Check check_of(const Design<double>& design, double speed, double efficiency) {
+  const SwingResult result{speed, 1, 1, Status::released};
+  return {design, result, result, efficiency, 1, no_value};
+}
+
 }  // namespace
 
 TEST_CASE("The warning for the paper's optimum names both edges of the lattice that it lies on") {
@@ -168,8 +174,7 @@ TEST_CASE("Errors and efficiencies are judged by the largest speed, not that of 
   const Job job = coarse_job();
   const Lattice lattice(job.scene, job.lattice);
   const Design<double> design = lattice.design({4, 5, 1});
-  const Check fast{design, 17, 0.5, 17, 1, no_value, Status::released, Status::released};
-  const Check slow{design, 1e-3, 1.5, 1e-3, 1, no_value, Status::released, Status::released};
+  const Check fast = check_of(design, 17, 0.5), slow = check_of(design, 1e-3, 1.5);
   BestDesign optimum = optimum_at(design);
   optimum.speed = 1e-3;  // of an objective that is best in a slow design
   const MeasuredError small{0, 0.1, 0, 2}, large{0, 0.2, 0, 2};
@@ -187,7 +192,9 @@ TEST_CASE("Slack slings are reported of designs close to the optimum in its obje
   BestDesign optimum = optimum_at(design, -2);
   optimum.speed = 10;
   const auto report = [&](double objective) {
-    const Check slack{design, 10, 0.5, 10, 2, objective, Status::released, Status::released};
+    Check slack = check_of(design, 10, 0.5);
+    slack.slack = 2;
+    slack.objective = objective;
     return warnings_of(job, optimum, {slack});
   };
   REQUIRE(report(-2.09).size() == 1);
@@ -255,8 +262,7 @@ TEST_CASE("The warnings of a study name the scene, and count those on the edge o
   };
   SweepResult result =
       result_of({best_at({0, 5, 1}, 3), best_at({4, 5, 1}, 2), best_at({4, 0, 1}, 1)});
-  const Check impossible{
-      result.summary.optima[0].design, 3, 1.5, 3, 1, no_value, Status::released, Status::released};
+  const Check impossible = check_of(result.summary.optima[0].design, 3, 1.5);
   result.samples = {ErrorSample{0, {}, 0}, ErrorSample{2, {impossible}, 0}};
   const auto lines = warnings(study, result);
   REQUIRE(lines.size() == 3);

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,16 +13,9 @@ namespace trebsweep {
 inline std::vector<double> accurate_values(const Job& job, Field field,
                                            std::span<const Design<double>> designs) {
   std::vector<SwingResult> swings(designs.size());
-  std::vector<double> values(is_basic(field) ? 0 : designs.size());
-  const std::array fields{field};
+  std::vector<double> values(designs.size());
   const Solver solver = solver_of("vern8", 1e-13, job.solver);  // so that it is not vern8
-  integrate_accurately(job.scene, solver,
-                       {designs, swings, std::span(fields).first(values.empty() ? 0 : 1), values});
-  if (values.empty())
-    for (const SwingResult& swing : swings)
-      values.push_back(field == Field::speed ? swing.speed : swing.release_time);
-  for (std::size_t i = 0; i < designs.size(); ++i)
-    if (!has_speed(swings[i].status)) values[i] = std::numeric_limits<double>::quiet_NaN();
+  integrate_accurately(job.scene, solver, {designs, swings, {&field, 1}, values});
   return values;
 }
 

@@ -66,7 +66,7 @@ std::vector<Design<double>> designs(int count) {
 std::vector<Field> kernel_fields() {
   std::vector<Field> fields;
   for (const FieldInfo& info : field_info)
-    if (!is_basic(info.field) && !is_separate(info.field)) fields.push_back(info.field);
+    if (is_of_swing(info.field)) fields.push_back(info.field);
   return fields;
 }
 

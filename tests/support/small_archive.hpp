@@ -109,7 +109,7 @@ class StoredTiles {
       tally.statuses[static_cast<std::size_t>(Status::released)] =
           small.study.lattice(tile.scene).designs_in(tile.block);
       bytes_.push_back(to_bytes(tally, values_of(small, tile), small.study.job().output));
-      records_.push_back({RecordKind::tile, t, bytes_.back()});
+      records_.push_back({t, bytes_.back()});
     }
   }
 

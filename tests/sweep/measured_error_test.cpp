@@ -99,7 +99,7 @@ TEST_CASE("The measured error is bitwise the same on any number of ranks") {
   CHECK(std::memcmp(&*together.error, &*alone.error, sizeof(MeasuredError)) == 0);
   REQUIRE(together.checks.size() == alone.checks.size());
   for (std::size_t i = 0; i < alone.checks.size(); ++i)
-    REQUIRE(together.checks[i].accurate_speed == alone.checks[i].accurate_speed);
+    REQUIRE(together.checks[i].accurate.speed == alone.checks[i].accurate.speed);
 }
 
 TEST_CASE("The error at the optimum is that of extended precision") {
@@ -125,7 +125,7 @@ TEST_CASE("The checks include a status that a single design has") {
   REQUIRE(totals_of(job, all).tally.statuses[static_cast<std::size_t>(Status::not_released)] == 1);
   const auto checks = measure(job, all).checks;
   CHECK(std::count_if(checks.begin(), checks.end(),
-                      [](const Check& c) { return c.status == Status::not_released; }) == 1);
+                      [](const Check& c) { return c.result.status == Status::not_released; }) == 1);
 }
 
 TEST_CASE("The objective is that of designs that satisfy the constraints, next to the optimum") {
@@ -161,7 +161,7 @@ TEST_CASE("With an objective of the flight, releases below the ground count as a
   const auto checks = measure(job, integrate_all(job)).checks;
   int without_range = 0;
   for (const Check& c : checks) {
-    CHECK(c.status == c.accurate_status);
+    CHECK(c.result.status == c.accurate.status);
     without_range += !std::isnan(c.slack) && std::isnan(c.objective);
   }
   CHECK(without_range > 0);
@@ -235,8 +235,8 @@ TEST_CASE("The scenes that are checked include those of the optimum and of rare 
 TEST_CASE("The error of a study is pooled over the scenes that were checked") {
   const auto check_with = [](double error, bool spread) {
     Check check{};
-    check.speed = 1 + error;
-    check.accurate_speed = 1;
+    check.result.speed = 1 + error;
+    check.accurate.speed = 1;
     check.spread = spread;
     return check;
   };

@@ -23,7 +23,7 @@ std::vector<std::byte> tile_with(const SwingResult& result, const Design<double>
 SwingResult released(double speed) { return {speed, speed / 10, 10, Status::released}; }
 
 Record tile_record(std::uint64_t number, const std::vector<std::byte>& bytes) {
-  return {RecordKind::tile, number, bytes};
+  return {number, bytes};
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ TEST_CASE("The optimum of a scene is the best design of its tiles until it is fo
   CHECK_FALSE(summary.optima[0].exists());
 
   const auto found = to_bytes(optimum_of(5));
-  totals.add({RecordKind::scene, 2, found}, small.tiling);
+  totals.add({small.tiling.size() + 2, found}, small.tiling);
   summary = totals.summary();
   CHECK(to_numbers(summary.optima[2]) == to_numbers(optimum_of(5)));
   CHECK(summary.best() == 2u);
@@ -80,36 +80,34 @@ TEST_CASE("Of each tile and scene the first fitting record of the journals is re
   auto longer = bytes;
   longer.push_back({});
   const BestDesign optimum = optimum_of(0);
+  const std::uint64_t tiles = small.tiling.size();
   {
     const std::uint64_t id = sweep_id(small.study.job(), small.tiling);
     Journal first(paths[0], id), second(paths[1], id), other(paths[1].string() + "x", id + 1);
-    other.append(RecordKind::tile, 0, bytes);
+    other.append(0, bytes);
     other.write();
-    first.append(RecordKind::tile, 4, longer);
-    first.append(RecordKind::tile, 3, bytes);
-    first.append(RecordKind::tile, small.tiling.size(), bytes);
-    first.append(RecordKind::scene, 3, to_bytes(optimum));
-    first.append(RecordKind::scene, 4, bytes);
+    first.append(4, longer);
+    first.append(3, bytes);
+    first.append(tiles + 3, to_bytes(optimum));
+    first.append(tiles + 4, bytes);
     first.write();
-    second.append(RecordKind::tile, 3, later);
-    second.append(RecordKind::tile, 4, later);
-    second.append(RecordKind::scene, 3, to_bytes(optimum_of(1)));
-    second.append(RecordKind::scene, small.study.scenes(), to_bytes(optimum));
+    second.append(3, later);
+    second.append(4, later);
+    second.append(tiles + 3, to_bytes(optimum_of(1)));
+    second.append(tiles + small.study.scenes(), to_bytes(optimum));
     second.write();
   }
   const std::filesystem::path of_another = paths[1].string() + "x";
   CHECK(read_records(std::vector{of_another}, small.study, small.tiling).records.empty());
   const StoredRecords stored = read_records(paths, small.study, small.tiling);
   REQUIRE(stored.records.size() == 3);
-  const auto has = [&](std::size_t n, RecordKind kind, std::uint64_t number,
-                       std::span<const std::byte> results) {
+  const auto has = [&](std::size_t n, std::uint64_t number, std::span<const std::byte> results) {
     const Record& record = stored.records[n];
-    return record.kind == kind && record.number == number &&
-           std::ranges::equal(record.results, results);
+    return record.number == number && std::ranges::equal(record.results, results);
   };
-  CHECK(has(0, RecordKind::tile, 3, bytes));
-  CHECK(has(1, RecordKind::scene, 3, to_bytes(optimum)));
-  CHECK(has(2, RecordKind::tile, 4, later));
+  CHECK(has(0, 3, bytes));
+  CHECK(has(1, tiles + 3, to_bytes(optimum)));
+  CHECK(has(2, 4, later));
   CHECK_THROWS_WITH(read_records(std::vector{directory / "3"}, small.study, small.tiling),
                     contains("cannot read"));
 }

@@ -1,8 +1,6 @@
 #include "trebsweep/sweep/work_queue.hpp"
 
-#include <algorithm>
 #include <chrono>
-#include <functional>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -24,12 +22,10 @@ TEST_CASE("Every number is claimed by one rank, also if ranks are unequally fast
   for (const std::uint64_t size : {0u, 1u, 2u, 1000u}) {
     std::vector<std::uint64_t> claims(size, 0);
     const bool all = share_out(
-        size, 3, 100,
-        [&](const TileRange& range, const auto&) {
-          CHECK(range.end - range.first <= 100);
-          for (std::uint64_t n = range.first; n < range.end; ++n) ++claims[n];
-          if (is_last_rank()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-          return range.end - range.first;
+        size,
+        [&](std::uint64_t n, const auto&) {
+          ++claims[n];
+          if (is_last_rank()) std::this_thread::sleep_for(std::chrono::microseconds(100));
         },
         never, MPI_COMM_WORLD);
     CHECK(all);
@@ -38,27 +34,27 @@ TEST_CASE("Every number is claimed by one rank, also if ranks are unequally fast
   }
 }
 
-TEST_CASE("Parts become smaller towards the end") {
-  std::vector<std::uint64_t> parts;
+TEST_CASE("Parts become smaller towards the end, so that unequal ranks end at the same time") {
+  const double start = MPI_Wtime();
+  double end = start;
   share_out(
-      1000, 1000, 1000,
-      [&](const TileRange& range, const auto&) {
-        parts.push_back(range.end - range.first);
-        return parts.back();
+      400,
+      [&](std::uint64_t, const auto&) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(is_last_rank() ? 4 : 1));
+        end = MPI_Wtime();
       },
-      never, MPI_COMM_SELF);
-  CHECK(parts.front() == 250);
-  CHECK(std::ranges::is_sorted(parts, std::greater{}));
-  CHECK(parts.back() == 1);
+      never, MPI_COMM_WORLD);
+  const double longest = mpi::max(end - start, MPI_COMM_WORLD);
+  CHECK(end - start > 0.75 * longest);
 }
 
 TEST_CASE("A stop on any rank ends all, and what was begun counts as finished") {
   std::uint64_t finished = 0;
   const bool all = share_out(
-      1'000'000, 1, 1,
-      [&](const TileRange&, const auto&) {
+      1'000'000,
+      [&](std::uint64_t, const auto&) {
         std::this_thread::sleep_for(std::chrono::microseconds(100));
-        return ++finished, std::uint64_t{1};
+        ++finished;
       },
       [&] { return is_last_rank() && finished >= 1; }, MPI_COMM_WORLD);
   CHECK_FALSE(all);
@@ -66,12 +62,11 @@ TEST_CASE("A stop on any rank ends all, and what was begun counts as finished") 
 }
 
 TEST_CASE("An error on any rank ends all with its message") {
-  const auto work = [](const TileRange&, const auto&) -> std::uint64_t {
+  const auto work = [](std::uint64_t, const auto&) {
     std::this_thread::sleep_for(std::chrono::microseconds(100));
     if (is_last_rank()) throw std::runtime_error("the disk is full");
-    return 1;
   };
-  CHECK_THROWS_AS(share_out(1'000'000, 1, 1, work, never, MPI_COMM_WORLD), mpi::RootError);
-  CHECK_THROWS_WITH(share_out(1'000'000, 1, 1, work, never, MPI_COMM_WORLD),
+  CHECK_THROWS_AS(share_out(1'000'000, work, never, MPI_COMM_WORLD), mpi::RootError);
+  CHECK_THROWS_WITH(share_out(1'000'000, work, never, MPI_COMM_WORLD),
                     contains("the disk is full"));
 }

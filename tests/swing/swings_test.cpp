@@ -8,6 +8,7 @@
 #include "support/paper_solver.hpp"
 #include "trebsweep/model/start.hpp"
 #include "trebsweep/ode/stepper.hpp"
+#include "trebsweep/swing/integrate.hpp"
 #include "trebsweep/swing/reference.hpp"
 #include "trebsweep/swing/swing.hpp"
 
@@ -51,6 +52,30 @@ TEST_CASE("Every adaptive stepper finds the true speed of the paper's optimum") 
     CHECK(result.x[phi1] == Approx(pi).epsilon(1e-15));
     CHECK(result.x[phi2] == Approx(2.82549).margin(5e-6));
     CHECK(result.x[w1] == Approx(6.9509).margin(5e-5));
+  }
+}
+
+TEST_CASE("The fields of a result are values like the others, in any order and also repeated") {
+  const Scene scene;
+  const std::array designs{optimum, Design<double>{0.6, 0.5, 0.8}, Design<double>{1, 0.1, 0.3}};
+  std::vector<SwingResult> results(3);
+  const auto values_of = [&](const std::vector<Field>& fields) {
+    std::vector<double> values(3 * fields.size());
+    integrate(scene, accurate(1e-9), {designs, results, fields, values});
+    return values;
+  };
+  const auto ranges = values_of({Field::range});
+  const auto values = values_of({Field::status, Field::range, Field::speed, Field::range,
+                                 Field::release_time, Field::steps, Field::speed_error});
+  const auto speeds = values_of({Field::speed});
+  for (std::size_t n = 0; n < 3; ++n) {
+    const auto& [speed, time, steps, status] = results[n];
+    REQUIRE(speed > 0);
+    CHECK(std::abs(values[7 * n + 6]) < 1e-6);
+    const std::vector<double> expected{
+        static_cast<double>(status), ranges[n], speed, ranges[n], time, static_cast<double>(steps)};
+    CHECK(std::vector(&values[7 * n], &values[7 * n + 6]) == expected);
+    CHECK(speeds[n] == speed);
   }
 }
 

@@ -34,10 +34,6 @@ class Handle {
   /// Calls fail(what) if `id` is invalid.
   Handle(hid_t id, const std::string& what) : id_(check(id, what)) {}
   Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)) {}
-  Handle& operator=(Handle&& other) noexcept {
-    std::swap(id_, other.id_);
-    return *this;
-  }
   ~Handle() {
     if (id_ >= 0) Close(id_);
   }
@@ -101,10 +97,10 @@ Selection select(hid_t dataset, std::span<const hsize_t> first, std::span<const 
 /// Variable-length UTF-8 text, which h5py and netCDF read as str.
 Datatype text_type();
 
-/// Creates an attribute.
+/// Creates an attribute: a text, a double, or a count.
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
 void write_attribute(hid_t object, const std::string& name, double value);
-void write_attribute(hid_t object, const std::string& name, unsigned long long value);
+void write_attribute(hid_t object, const std::string& name, std::uint64_t value);
 
 /// The same with some numbers, of the given type in the file.
 void write_attribute(hid_t object, const std::string& name, hid_t type,

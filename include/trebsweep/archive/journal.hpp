@@ -1,6 +1,5 @@
 #pragma once
 
-#include <boost/interprocess/file_mapping.hpp>
 #include <boost/interprocess/mapped_region.hpp>
 #include <cstddef>
 #include <cstdint>
@@ -56,32 +55,22 @@
 
 namespace trebsweep {
 
-/// What a record holds: the results of a tile, or the optimum of a scene.
-enum class RecordKind : std::uint32_t { tile, scene };
-
 struct Record {
-  RecordKind kind;
-  std::uint64_t number;  ///< of the tile or the scene
+  std::uint64_t number;  ///< of the tile, or the number of tiles plus that of the scene
   std::span<const std::byte> results;
 };
 
 /// The size of what precedes the results in a record.
-inline constexpr std::size_t record_header_bytes = 40;
+inline constexpr std::size_t record_header_bytes = 32;
 
 /// The intact records of a sweep in a journal, in their order. They refer to its bytes.
 std::vector<Record> intact_records(std::span<const std::byte> journal, std::uint64_t sweep);
 
-/// A file in memory, read-only.
-class MappedFile {
- public:
-  /// Throws std::runtime_error if the file cannot be read.
-  explicit MappedFile(const std::filesystem::path& path);
-
-  std::span<const std::byte> bytes() const;
-
- private:
-  boost::interprocess::mapped_region region_;  // none for an empty file
-};
+/// A file in memory, read-only; none if it is empty. Throws std::runtime_error if the file cannot
+/// be read.
+using MappedFile = boost::interprocess::mapped_region;
+MappedFile map_file(const std::filesystem::path& path);
+std::span<const std::byte> bytes_of(const MappedFile& file);
 
 /// The journal that a rank writes. Member functions throw std::runtime_error if the file cannot be
 /// written.
@@ -92,7 +81,7 @@ class Journal {
       : path_(std::move(path)), sweep_(sweep) {}
 
   /// Adds a record in memory.
-  void append(RecordKind kind, std::uint64_t number, std::vector<std::byte> results);
+  void append(std::uint64_t number, std::vector<std::byte> results);
 
   /// The size of the records in memory.
   std::size_t unwritten_bytes() const { return unwritten_bytes_; }
@@ -108,7 +97,6 @@ class Journal {
 
  private:
   struct Unwritten {
-    RecordKind kind;
     std::uint64_t number;
     std::vector<std::byte> results;
   };
@@ -118,7 +106,7 @@ class Journal {
   std::ofstream file_;
   std::vector<Unwritten> unwritten_;
   std::size_t unwritten_bytes_ = 0;
-  std::vector<MappedFile> written_;  // at most one
+  MappedFile written_;  // the file, as far as records() refers to it
 };
 
 }  // namespace trebsweep

@@ -32,7 +32,7 @@
 namespace trebsweep {
 
 /// The version of this layout, stored in the attribute format_version.
-inline constexpr unsigned long long format_version = 1;
+inline constexpr std::uint64_t format_version = 1;
 
 /// The name of a field's map, or of the outer axis of a key without its section.
 std::string dataset_name(std::string_view name);

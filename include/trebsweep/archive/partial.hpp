@@ -1,7 +1,5 @@
 #pragma once
 
-#include <mpi.h>
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -51,11 +49,7 @@ std::filesystem::path unfinished_archive(const std::filesystem::path& folder);
 /// Whether a folder holds only what this program creates in it.
 bool is_partial_folder(const std::filesystem::path& folder);
 
-/// Removes everything from a folder except its lock. Throws std::runtime_error.
+/// Removes everything from a folder except its lock. Throws std::filesystem::filesystem_error.
 void clear_partial(const std::filesystem::path& folder);
-
-/// Throws mpi::RootError if a rank cannot see a file, as when ranks run in different directories or
-/// on file systems that they do not share. Collective.
-void require_visible(const std::filesystem::path& path, MPI_Comm comm);
 
 }  // namespace trebsweep

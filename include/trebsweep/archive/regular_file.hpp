@@ -13,6 +13,9 @@ std::optional<std::string> irregular_kind(const std::filesystem::file_status& st
 /// The same for the file that a path names; follows symbolic links.
 std::optional<std::string> irregular_kind(const std::filesystem::path& path);
 
+/// The directory of a file: "." for a name alone.
+std::filesystem::path directory_of(const std::filesystem::path& path);
+
 /// A text that changes whenever a file is replaced or modified: its inode, size and time of
 /// modification; empty if the file does not exist. Throws std::system_error.
 std::string file_identity(const std::filesystem::path& path);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "trebsweep/job/lattice.hpp"
@@ -8,6 +9,9 @@ namespace trebsweep {
 
 /// Every design of a lattice, in storage order.
 std::vector<Design<double>> all_designs(const Lattice& lattice);
+
+/// The indices of all designs in a box of the lattice, in storage order.
+std::vector<Index3> indices_in(const Lattice& lattice, const Block& box);
 
 /// The indices of `count` designs in a box of the lattice, taken from Sobol's low-discrepancy
 /// sequence; of all designs in it, if there are no more. In storage order.
@@ -18,7 +22,7 @@ std::vector<Index3> sample_box(const Lattice& lattice, const Block& box, std::si
 std::vector<Index3> sample_indices(const Lattice& lattice, std::size_t count);
 
 /// The designs with some indices.
-std::vector<Design<double>> designs_at(const std::vector<Index3>& indices, const Lattice& lattice);
+std::vector<Design<double>> designs_at(std::span<const Index3> indices, const Lattice& lattice);
 
 /// The designs of sample_indices().
 std::vector<Design<double>> sample(const Lattice& lattice, std::size_t count);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "trebsweep/archive/tally.hpp"
@@ -14,13 +16,27 @@ struct ComputedTile {
   Tally tally;
 };
 
-/// Integrates the designs of tiles, which are in ascending order. Calls `stop` about every 0.2 s;
-/// once it is true, finishes the tile that has been begun, and leaves out those after it.
-std::vector<ComputedTile> compute(const std::vector<Tile>& tiles, const Study& study,
-                                  const std::function<bool()>& stop);
+/// Integrates the designs of a study.
+class Compute {
+ public:
+  explicit Compute(const Study& study);
 
-/// The mean processor time to integrate a design (s), measured for about 50 ms on a sample of the
-/// study.
-double seconds_per_design(const Study& study, const std::function<bool()>& stop);
+  /// Integrates the designs of a tile, some at a time. Calls poll() in between, about every 0.2 s.
+  ComputedTile tile(const Tile& tile, const std::function<void()>& poll);
+
+  /// The mean processor time to integrate a design (s), measured for about 50 ms on a sample.
+  double seconds_per_design();
+
+ private:
+  /// Integrates designs of a scene. Returns the number of lane steps.
+  std::uint64_t integrate(const Scene& scene, std::span<const Design<double>> designs);
+
+  const Study& study_;
+  std::size_t maps_;           // their number
+  std::vector<Field> fields_;  // of the maps, then the deciding_fields()
+  std::vector<SwingResult> swings_;
+  std::vector<double> values_;  // as in Batch
+  std::size_t at_once_ = 16;
+};
 
 }  // namespace trebsweep

@@ -18,15 +18,15 @@ namespace trebsweep {
 /// A design of a sweep, integrated again by the job's solver and accurately.
 struct Check {
   Design<double> design;
-  double speed, efficiency, accurate_speed;
-  /// The field and objectives(), computed only of the optimum, its neighbours and the first design
+  SwingResult result, accurate;
+  double efficiency;
+  /// The field and objective(), computed only of the optimum, its neighbours and the first design
   /// of each status; else NaN.
   double slack, objective;
-  Status status, accurate_status;
   bool spread = false;  ///< whether it is one of those spread evenly over the lattice
 
-  /// m/s; NaN if either swing has no release.
-  double error() const { return std::abs(speed - accurate_speed); }
+  /// Of the speed, m/s; NaN if either swing has no release.
+  double error() const { return std::abs(result.speed - accurate.speed); }
 };
 
 /// The checked designs of a scene.

@@ -24,9 +24,9 @@ class RankResults {
   const std::vector<std::uint64_t>& tiles_to_do() const { return tiles_to_do_; }
   const std::vector<std::uint64_t>& scenes_to_do() const { return scenes_to_do_; }
 
-  /// Adds the results of a tile or a scene. Writes the journal when a second has passed since it
+  /// Adds a record of a tile or a scene. Writes the journal when a second has passed since it
   /// was last written, or if there is much to write. Throws std::runtime_error if that fails.
-  void add(RecordKind kind, std::uint64_t number, std::vector<std::byte> results);
+  void add(std::uint64_t number, std::vector<std::byte> results);
 
   /// Writes the journal, and waits until it is on disk.
   void sync() { journal_.sync(); }

@@ -9,7 +9,7 @@
 
 namespace trebsweep {
 
-/// The result that every swing has; the other fields are computed on request.
+/// The result that every swing has.
 struct SwingResult {
   double speed;         ///< m/s, NaN without a release
   double release_time;  ///< s, NaN without a release
@@ -21,7 +21,7 @@ struct SwingResult {
 struct Batch {
   std::span<const Design<double>> designs;
   std::span<SwingResult> results;      ///< results[n] belongs to designs[n]
-  std::span<const Field> fields = {};  ///< fields to compute, none of SwingResult's
+  std::span<const Field> fields = {};  ///< fields to compute, which may repeat
   std::span<double> values = {};       ///< values[n * fields.size() + f] is fields[f] of designs[n]
 
   Batch slice(std::size_t first, std::size_t count) const {

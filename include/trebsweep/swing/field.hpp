@@ -148,7 +148,9 @@ inline constexpr bool is_quantity(Field field) {
          field != Field::energy_drift;
 }
 
-inline constexpr bool is_basic(Field field) { return info(field).kind == FieldKind::result; }
-inline constexpr bool is_separate(Field field) { return info(field).kind == FieldKind::separate; }
+/// Whether a field is computed while the swing is integrated.
+inline constexpr bool is_of_swing(Field field) {
+  return info(field).kind != FieldKind::result && info(field).kind != FieldKind::separate;
+}
 
 }  // namespace trebsweep

@@ -36,7 +36,7 @@ struct ObservedSwing {
   std::array<double, 6> x{};
 };
 
-/// integrate() for a stepper for packs, and for fields that are not is_separate(). `observed`, if
+/// integrate() for a stepper for packs; fields that are not is_of_swing() stay NaN. `observed`, if
 /// not null, is of the only design of the batch.
 Work integrate_packs(const Scene& scene, const Solver& solver, const Batch& batch,
                      ObservedSwing* observed = nullptr);
