@@ -23,13 +23,6 @@ std::vector<std::byte> read_block(hid_t map, const MapBlock& block) {
   return bytes;
 }
 
-/// Opens a map without a cache of chunks: each is read only once.
-hdf5::Dataset open_uncached(hid_t file, const std::string& name) {
-  const hdf5::Properties access(H5Pcreate(H5P_DATASET_ACCESS), "open " + name);
-  check(H5Pset_chunk_cache(access, 0, 0, 0), "open " + name);
-  return {H5Dopen2(file, name.c_str(), access), "open " + name};
-}
-
 }  // namespace
 
 std::uint64_t tiles_per_verification(const ArchiveContents& contents) {
@@ -47,7 +40,7 @@ void verify(const std::filesystem::path& path, const ArchiveContents& contents,
   const std::size_t columns = contents.maps.size();
   const auto expected = hdf5::read_numbers<std::uint64_t>(file, "tile_checksum");
   for (std::size_t m = 0; m < columns; ++m) {
-    const hdf5::Dataset map = open_uncached(file, contents.maps[m]);
+    const hdf5::Dataset map = hdf5::open_dataset(file, contents.maps[m]);
     for (std::uint64_t t = tiles.first; t < tiles.end; ++t) {
       try {
         const auto bytes = read_block(map, map_block(contents.tiles[t], contents.extents));

@@ -1,6 +1,5 @@
 #include "trebsweep/job/sample.hpp"
 
-#include <algorithm>
 #include <boost/random/sobol.hpp>
 #include <set>
 
@@ -17,6 +16,16 @@ std::set<Index3> corners(const Lattice& lattice) {
     for (const std::size_t i3 : {std::size_t{0}, last3})
       for (const std::size_t i2 : {std::size_t{0}, lattice.row_length(i3) - 1})
         indices.insert({i1, i3, i2});
+  return indices;
+}
+
+/// The indices of all designs in a box, in storage order.
+std::vector<Index3> indices_in(const Lattice& lattice, const Block& box) {
+  std::vector<Index3> indices;
+  for (std::size_t i1 = box.first[0]; i1 < box.first[0] + box.count[0]; ++i1)
+    for (std::size_t i3 = box.first[1]; i3 < box.first[1] + box.count[1]; ++i3)
+      for (std::size_t i2 = box.first[2]; i2 < box.first[2] + box.count[2]; ++i2)
+        if (lattice.holds({i1, i3, i2})) indices.push_back({i1, i3, i2});
   return indices;
 }
 
@@ -41,23 +50,8 @@ Block whole(const Lattice& lattice) { return {{0, 0, 0}, lattice.extent()}; }
 
 }  // namespace
 
-std::vector<Index3> indices_in(const Lattice& lattice, const Block& box) {
-  const auto& [first, count] = box;
-  std::vector<Index3> indices;
-  indices.reserve(lattice.designs_in(box));
-  for (const std::size_t i1 : lattice.r1_indices()) {
-    if (i1 < first[0] || i1 >= first[0] + count[0]) continue;
-    for (std::size_t i3 = first[1]; i3 < first[1] + count[1]; ++i3) {
-      const std::size_t end = std::min(lattice.row_length(i3), first[2] + count[2]);
-      for (std::size_t i2 = first[2]; i2 < end; ++i2) indices.push_back({i1, i3, i2});
-    }
-  }
-  return indices;
-}
-
 std::vector<Design<double>> designs_at(std::span<const Index3> indices, const Lattice& lattice) {
   std::vector<Design<double>> designs;
-  designs.reserve(indices.size());
   for (const Index3& index : indices) designs.push_back(lattice.design(index));
   return designs;
 }

@@ -14,54 +14,55 @@
 #include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
-namespace {
-
-/// The index of a cell in a block, r2 fastest.
-std::size_t cell_in(const Block& block, const Index3& index) {
-  const auto& [first, count] = block;
-  return ((index[0] - first[0]) * count[1] + index[1] - first[1]) * count[2] + index[2] - first[2];
-}
-
-}  // namespace
-
-Compute::Compute(const Study& study) : study_(study), fields_(stored_fields(study.job().output)) {
-  maps_ = fields_.size();
+Compute::Compute(const Study& study)
+    : study_(study), fields_(stored_fields(study.job().output)), maps_(fields_.size()) {
   std::ranges::copy(deciding_fields(study.job()), std::back_inserter(fields_));
 }
 
-std::uint64_t Compute::integrate(const Scene& scene, std::span<const Design<double>> designs) {
-  swings_.resize(designs.size());
-  values_.resize(designs.size() * fields_.size());
-  const Batch batch{designs, swings_, fields_, values_};
-  return trebsweep::integrate(scene, study_.job().solver, batch).lane_steps;
+void Compute::finish(const Scene& scene, ComputedTile& tile) {
+  constexpr std::size_t most_at_once = 4096;  // few enough for the cache
+  swings_.resize(designs_.size());
+  values_.resize(designs_.size() * fields_.size());
+  const double start = MPI_Wtime();
+  const Batch batch{designs_, swings_, fields_, values_};
+  tile.tally.lane_steps += integrate(scene, study_.job().solver, batch).lane_steps;
+  if (designs_.size() >= at_once_)
+    at_once_ = std::min(next_count(designs_.size(), MPI_Wtime() - start, 0.2), most_at_once);
+  for (std::size_t n = 0; n < designs_.size(); ++n) {
+    const auto& [cell, in_study] = cells_[n];
+    const auto values = batch.slice(n, 1).values;
+    for (std::size_t m = 0; m < tile.maps.size(); ++m)
+      if (!is_flag(fields_[m]) || !std::isnan(values[m])) tile.maps[m][cell] = values[m];
+    tile.tally.add(swings_[n], in_study, designs_[n],
+                   objective(values.subspan(maps_), study_.job()));
+  }
+  designs_.clear();
+  cells_.clear();
 }
 
 ComputedTile Compute::tile(const Tile& tile, const std::function<void()>& poll) {
-  constexpr std::size_t most_at_once = 4096;  // few enough for the cache
   const auto& [number, block] = tile;
+  const auto& [first, count] = block;
   const Scene scene = scene_at(study_.job(), number);
   const Lattice& lattice = study_.lattice(number);
   ComputedTile computed;
   for (std::size_t m = 0; m < maps_; ++m)
     computed.maps.emplace_back(block.cells(), fill_value(fields_[m]));
-  const std::vector<Index3> indices = indices_in(lattice, block);
-  for (std::span left(indices); !left.empty(); poll()) {
-    const auto taken = left.first(std::min(at_once_, left.size()));
-    left = left.subspan(taken.size());
-    const auto designs = designs_at(taken, lattice);
-    const double start = MPI_Wtime();
-    computed.tally.lane_steps += integrate(scene, designs);
-    if (taken.size() == at_once_)
-      at_once_ = std::min(next_count(at_once_, MPI_Wtime() - start, 0.2), most_at_once);
-    for (std::size_t n = 0; n < taken.size(); ++n) {
-      const auto values = std::span(values_).subspan(n * fields_.size(), fields_.size());
-      const std::size_t cell = cell_in(block, taken[n]);
-      for (std::size_t m = 0; m < maps_; ++m)
-        if (!is_flag(fields_[m]) || !std::isnan(values[m])) computed.maps[m][cell] = values[m];
-      computed.tally.add(swings_[n], study_.cell(number, taken[n]), designs[n],
-                         objective(values.subspan(maps_), study_.job()));
+  for (const std::size_t i1 : lattice.r1_indices()) {
+    if (i1 < first[0] || i1 >= first[0] + count[0]) continue;
+    for (std::size_t i3 = first[1]; i3 < first[1] + count[1]; ++i3) {
+      const std::size_t row = ((i1 - first[0]) * count[1] + i3 - first[1]) * count[2];
+      const std::uint64_t cell = study_.cell(number, {i1, i3, first[2]});
+      for (std::size_t k = 0; k < count[2] && first[2] + k < lattice.row_length(i3); ++k) {
+        designs_.push_back(lattice.design({i1, i3, first[2] + k}));
+        cells_.push_back({row + k, cell + k});
+      }
+      if (designs_.size() < at_once_) continue;
+      finish(scene, computed);
+      poll();
     }
   }
+  finish(scene, computed);
   return computed;
 }
 
@@ -74,12 +75,13 @@ double Compute::seconds_per_design() {
     const std::uint64_t number = p * (study_.scenes() - 1) / (parts - 1);
     const auto designs = sample(study_.own_lattice(number), parts * part_size);
     // Every parts-th design of a sample, so that each part is representative.
-    std::vector<Design<double>> part;
-    for (std::size_t i = p; i < designs.size(); i += parts) part.push_back(designs[i]);
+    for (std::size_t i = p; i < designs.size(); i += parts) designs_.push_back(designs[i]);
+    cells_.resize(designs_.size());
+    ComputedTile results;
     const std::clock_t start = std::clock();  // of the processor: others may use it as well
-    integrate(scene_at(study_.job(), number), part);
+    finish(scene_at(study_.job(), number), results);
     seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    done += part.size();
+    done += results.tally.designs();
   }
   return done > 0 ? seconds / static_cast<double>(done) : 0;
 }

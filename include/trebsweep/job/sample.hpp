@@ -10,9 +10,6 @@ namespace trebsweep {
 /// Every design of a lattice, in storage order.
 std::vector<Design<double>> all_designs(const Lattice& lattice);
 
-/// The indices of all designs in a box of the lattice, in storage order.
-std::vector<Index3> indices_in(const Lattice& lattice, const Block& box);
-
 /// The indices of `count` designs in a box of the lattice, taken from Sobol's low-discrepancy
 /// sequence; of all designs in it, if there are no more. In storage order.
 std::vector<Index3> sample_box(const Lattice& lattice, const Block& box, std::size_t count);

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <functional>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "trebsweep/archive/tally.hpp"
@@ -28,15 +28,18 @@ class Compute {
   double seconds_per_design();
 
  private:
-  /// Integrates designs of a scene. Returns the number of lane steps.
-  std::uint64_t integrate(const Scene& scene, std::span<const Design<double>> designs);
+  /// Integrates the next designs, of one scene, and adds their results to a tile.
+  void finish(const Scene& scene, ComputedTile& tile);
 
   const Study& study_;
-  std::size_t maps_;           // their number
   std::vector<Field> fields_;  // of the maps, then the deciding_fields()
+  std::size_t maps_;
+  std::size_t at_once_ = 16;  // designs to integrate
+  // The next designs and their results, kept to be reused.
+  std::vector<Design<double>> designs_;
+  std::vector<std::pair<std::size_t, std::uint64_t>> cells_;  // in the tile, and Study::cell()
   std::vector<SwingResult> swings_;
   std::vector<double> values_;  // as in Batch
-  std::size_t at_once_ = 16;
 };
 
 }  // namespace trebsweep
