@@ -23,7 +23,11 @@ struct Step {
     return event_between(end_event<double>(Solver{}), stepper, motion, from, to);
   }
   Instant<double> turn() {
-    return turn_between(end_event<double>(Solver{}), stepper, motion, from, to);
+    const double start = from.x[w1], end = to.x[w1];
+    const auto slowing = [](const Instant<double>& at) { return -at.x[w1]; };
+    const Bracket<double, Effects{}> bracket{from, to.t - from.t,         0,
+                                             1,    start / (start - end), start - end};
+    return locate_by_secants(bracket, stepper, motion, slowing, 1e-8);
   }
 };
 

@@ -79,59 +79,6 @@ T guess_event(const AngleEvent<Number>& event, const Instant<T, E>& from, const 
   return s * (m0 + s * (T(0.5) * c0 + s * (a3 + s * (a4 + s * a5))));
 }
 
-/// Locates the event within the step from `from`, where the angle is below its target, to `to`,
-/// where it is not: the instant that the stepper itself reaches from `from` with a step of the
-/// right length. `to` may be a turning point, where the angle has no rate.
-///
-/// Root finding stops within 1e-6 of the root (as a fraction of the step, in double precision:
-/// sqrt(4500 eps)). The rest is extrapolated linearly, with an error of the order of its square,
-/// 1e-12 of the step.
-template <class Number, class Stepper, class T, Effects E>
-Instant<T, E> event_between(const AngleEvent<Number>& event, Stepper& stepper,
-                            const Motion<T, E>& motion, const Instant<T, E>& from,
-                            const Instant<T, E>& to) {
-  using std::abs;
-  using std::sqrt;
-  const T h = to.t - from.t, target = event.target;
-  const T precision = T(sqrt(T(4500 * std::numeric_limits<Number>::epsilon())));
-  Instant<T, E> at;
-  State<T, E> error;
-  const auto distance = [&](const T& part) {
-    advance(stepper, motion, from, T(part * h), at, error);
-    return ValueAndSlope<T>{event.value(at.x) - target, h * event.rate(at.x)};
-  };
-  find_root(distance, T(0), T(1), guess_event(event, from, to, h), precision);
-  const T rest = target - event.value(at.x);
-  const auto is_near = abs(rest) <= T(precision * h * event.rate(at.x));
-  const T dt = select(is_near, T(rest / event.rate(at.x)), T(0));
-  at.t = at.t + dt;
-  for (std::size_t i = 0; i < at.x.size(); ++i) at.x[i] = at.x[i] + dt * at.dxdt[i];
-  return at;
-}
-
-/// Locates the turning point of the angle, where its rate is zero, within the step from `from` to
-/// `to`, in the lanes in which the rate changes its sign; in others, the result has no meaning.
-template <class Number, class Stepper, class T, Effects E>
-Instant<T, E> turn_between(const AngleEvent<Number>& event, Stepper& stepper,
-                           const Motion<T, E>& motion, const Instant<T, E>& from,
-                           const Instant<T, E>& to) {
-  const T h = to.t - from.t;
-  Instant<T, E> at;
-  State<T, E> error;
-  const T start = event.rate(from.x), end = event.rate(to.x);
-  const auto turns = T(start * end) <= T(0);
-  // find_root() needs an increasing function.
-  const T sign = select(start > T(0), T(-1), T(1));
-  const auto slowing = [&](const T& part) {
-    advance(stepper, motion, from, T(part * h), at, error);
-    return ValueAndSlope<T>{select(turns, T(sign * event.rate(at.x)), T(0)),
-                            T(sign * h) * event.rate(at.dxdt)};
-  };
-  find_root(slowing, T(0), T(1), T(start / T(start - end)),
-            T(8 * std::numeric_limits<Number>::epsilon()));
-  return at;
-}
-
 /// A step of length h from `from`, and the fractions of it between which a function of the instant
 /// rises from below zero.
 template <class T, Effects E>
@@ -143,20 +90,38 @@ struct Bracket {
   T slope;      ///< an estimate of the function's derivative with respect to the fraction
 };
 
-/// Locates the root of f(instant), whose derivative is not known: slopes are those of secants. Root
-/// finding stops within `precision` of the root, as a fraction of the step; the rest is
-/// extrapolated linearly.
+/// Locates the root of a function: the instant that the stepper itself reaches from the start of
+/// the step with a step of the right length. f(part, at) is the function's value at an instant, and
+/// its derivative with respect to the fraction of the step, which `part` is. Root finding stops
+/// within `precision` of the root, as a fraction of the step; the rest is extrapolated linearly,
+/// with an error of the order of its square.
 template <class Stepper, class T, Effects E, class F>
-Instant<T, E> root_in(const Bracket<T, E>& bracket, Stepper& stepper, const Motion<T, E>& motion,
-                      F f, double precision) {
+Instant<T, E> locate(const Bracket<T, E>& bracket, Stepper& stepper, const Motion<T, E>& motion,
+                     F f, const T& precision) {
   using std::abs;
   Instant<T, E> at;
   State<T, E> error;
-  T last_part = bracket.guess, last_value = T(0), slope = bracket.slope;
+  ValueAndSlope<T> last;
   const auto value_and_slope = [&](const T& part) {
     advance(stepper, motion, bracket.from, T(part * bracket.h), at, error);
-    const T value = f(at);
-    const T distance = part - last_part;
+    return last = f(part, at);
+  };
+  find_root(value_and_slope, bracket.low, bracket.high, bracket.guess, precision);
+  const auto is_near = abs(last.value) <= T(precision * last.slope);
+  const T dt = select(is_near, T(T(-last.value / last.slope) * bracket.h), T(0));
+  for (std::size_t i = 0; i < at.x.size(); ++i) at.x[i] = at.x[i] + dt * at.dxdt[i];
+  return instant(motion, at.t + dt, at.x);
+}
+
+/// The same for f(at), whose derivative is not known: slopes are those of secants, the first one
+/// that of the bracket.
+template <class Stepper, class T, Effects E, class F>
+Instant<T, E> locate_by_secants(const Bracket<T, E>& bracket, Stepper& stepper,
+                                const Motion<T, E>& motion, F f, const T& precision) {
+  using std::abs;
+  T last_part = bracket.guess, last_value = T(0), slope = bracket.slope;
+  const auto with_slope = [&](const T& part, const Instant<T, E>& at) {
+    const T value = f(at), distance = part - last_part;
     // Rounding errors would spoil the slope of a shorter secant.
     const auto moved = abs(distance) > T(1e-6);
     slope = select(moved, T(T(value - last_value) / select(moved, distance, T(1))), slope);
@@ -164,31 +129,25 @@ Instant<T, E> root_in(const Bracket<T, E>& bracket, Stepper& stepper, const Moti
     last_value = value;
     return ValueAndSlope<T>{value, slope};
   };
-  find_root(value_and_slope, bracket.low, bracket.high, bracket.guess, T(precision));
-  const auto is_near = abs(last_value) <= T(T(precision) * slope);
-  const T dt = select(is_near, T(T(-last_value / slope) * bracket.h), T(0));
-  at.t = at.t + dt;
-  for (std::size_t i = 0; i < at.x.size(); ++i) at.x[i] = at.x[i] + dt * at.dxdt[i];
-  return at;
+  return locate(bracket, stepper, motion, with_slope, precision);
 }
 
-/// Locates the lift-off, where the trough's force on the projectile is zero, within the step of
-/// length h from `from`, where it is positive, before the fraction `high` of the step, where it is
-/// about `force_at_high`, which is not. As accelerations are continuous, an error of the lift-off's
-/// time changes the swing by its square only: root finding stops within sqrt(eps) of the root (as a
-/// fraction of the step) or, if that is less, 100 times the `tolerance` of the steps.
-template <class Stepper, class T, Effects E>
-Instant<T, E> lift_off_within(Stepper& stepper, const Motion<T, E>& motion,
-                              const Instant<T, E>& from, const T& h, const T& high,
-                              const T& force_at_high, double tolerance) {
-  using Number = typename Lanes<T>::Number;
-  const auto lack = [&](const Instant<T, E>& at) {
-    return T(-motion.normal_force(at.x, at.directions));
+/// Locates the event within the step from `from`, where the angle is below its target, to `to`,
+/// where it is not, with an error of 1e-12 of the step. `to` may be a turning point, where the
+/// angle has no rate.
+template <class Number, class Stepper, class T, Effects E>
+Instant<T, E> event_between(const AngleEvent<Number>& event, Stepper& stepper,
+                            const Motion<T, E>& motion, const Instant<T, E>& from,
+                            const Instant<T, E>& to) {
+  using std::sqrt;
+  const T h = to.t - from.t;
+  const auto distance = [&](const T&, const Instant<T, E>& at) {
+    return ValueAndSlope<T>{event.value(at.x) - T(event.target), h * event.rate(at.x)};
   };
-  const T start = lack(from), slope = T(-force_at_high - start) / high;
-  const Bracket<T, E> bracket{from, h, T(0), high, T(-start / slope), slope};
-  const auto epsilon = static_cast<double>(std::numeric_limits<Number>::epsilon());
-  return root_in(bracket, stepper, motion, lack, std::min(std::sqrt(epsilon), 100 * tolerance));
+  const T guess = guess_event(event, from, to, h);
+  const Bracket<T, E> bracket{from, h, T(0), T(1), guess, T(1)};
+  return locate(bracket, stepper, motion, distance,
+                T(sqrt(T(4500 * std::numeric_limits<Number>::epsilon()))));
 }
 
 }  // namespace trebsweep

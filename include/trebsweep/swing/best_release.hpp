@@ -230,8 +230,8 @@ Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, double to
                            T(root.of_clearance * T(clearance - T(margin))), slope);
     return select(of_worth, T(-above), distance);
   };
-  const double precision = std::sqrt(epsilon) / 100;
-  Instant<T, E> at = root_in(bracket, stepper, motion, falling, precision);
+  const T precision = std::sqrt(epsilon) / 100;
+  Instant<T, E> at = locate_by_secants(bracket, stepper, motion, falling, precision);
 
   const T angle = pin_angle_of(at.x);
   const auto outside = of_worth & ((angle > root.high) | (angle < root.low));
@@ -243,9 +243,8 @@ Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, double to
     using std::abs;
     const auto& [from, h, first, last, guess, slope] = best.bracket;
     const T rate = abs(T(at.x[w1] - at.x[w2]));
-    copy_where<T>(outside, at,
-                  root_in(Bracket<T, E>{from, h, T(0), T(1), guess, T(rate * h)}, stepper, motion,
-                          beyond, precision));
+    const Bracket<T, E> whole{from, h, T(0), T(1), guess, T(rate * h)};
+    copy_where<T>(outside, at, locate_by_secants(whole, stepper, motion, beyond, precision));
   }
   return at;
 }

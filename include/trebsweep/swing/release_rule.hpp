@@ -8,28 +8,6 @@
 
 namespace trebsweep {
 
-/// The fraction of a step by which phi1 - phi2 has turned back, a multiple of a quarter; 0 where it
-/// does not turn back. It may turn again later in the step.
-template <class T, Effects E>
-T sling_turned_by(const Instant<T, E>& from, const Instant<T, E>& to) {
-  using std::abs;
-  constexpr int parts = 4;
-  const T h = to.t - from.t;
-  const T v = from.x[w1] - from.x[w2], end_v = to.x[w1] - to.x[w2];
-  const T a = h * T(from.dxdt[w1] - from.dxdt[w2]), end_a = h * T(to.dxdt[w1] - to.dxdt[w2]);
-  // After a turning point, where the rate is zero, the acceleration has its sign.
-  const T sign = select(select(abs(v) > T(0), v, a) < T(0), T(-1), T(1));
-  T part = select(sign * end_v < T(0), T(1), T(0));
-  for (int i = parts - 1; i > 0; --i) {
-    const double s = static_cast<double>(i) / parts, r = 1 - s;
-    // Cubic Hermite interpolation of the rate.
-    const T rate = T(r * r * (1 + 2 * s)) * v + T(s * s * (1 + 2 * r)) * end_v + T(s * r * r) * a -
-                   T(s * s * r) * end_a;
-    part = select(sign * rate < T(0), T(s), part);
-  }
-  return part;
-}
-
 /// The rule of release of a solver.
 template <class Number>
 class ReleaseRule {
@@ -89,24 +67,22 @@ class ReleaseRule {
     return event_.of_sling && get_lane(at.x[phi1], lane) >= last_arm_.target;
   }
 
-  /// Where the arm turns back within a step of the lanes in `mask`, having possibly passed its
-  /// target, makes the turning point the end of the step.
-  template <class Stepper, class T, Effects E>
-  void end_at_turning_points(LaneMask mask, Stepper& stepper, const Motion<T, E>& motion,
-                             const Instant<T, E>& from, Instant<T, E>& to) const {
-    if (event_.of_sling || is_window()) return;
+  /// Where the arm turns back within the step, having possibly passed its target.
+  template <class T, Effects E>
+  auto may_turn_beyond(const Instant<T, E>& from, const Instant<T, E>& to) const {
     const T target = event_.target, start = event_.value(from.x);
     const T rate = event_.rate(from.x), end_rate = event_.rate(to.x);
     // An upper bound of the angle within the step.
     const T bound = start + T(to.t - from.t) * T(rate - end_rate);
-    mask &= lanes_of((start < target) & (event_.value(to.x) < target) & (bound >= target) &
-                     (rate > T(0)) & (end_rate < T(0)));
-    if (mask == 0) return;
-    const Instant<T, E> turn = turn_between(event_, stepper, motion, from, to);
-    for (; mask != 0; mask &= mask - 1) {
-      const std::size_t lane = first_lane(mask);
-      if (get_lane(event_.value(turn.x), lane) >= event_.target) copy_lane<T>(to, lane, turn, lane);
-    }
+    const T ends_below = is_window() || event_.of_sling ? T(-1) : T(target - event_.value(to.x));
+    return (start < target) & (ends_below > T(0)) & (bound >= target) & (rate > T(0)) &
+           (end_rate < T(0));
+  }
+
+  /// Whether the angle of the event has its target at the instant.
+  template <class T, Effects E>
+  auto reached(const Instant<T, E>& at) const {
+    return event_.value(at.x) >= T(event_.target);
   }
 
  private:

@@ -5,11 +5,12 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
+#include <vector>
 
-#include "trebsweep/swing/release_queue.hpp"
-#include "trebsweep/swing/release_rule.hpp"
-#include "trebsweep/swing/restart_queue.hpp"
+#include "trebsweep/swing/releases.hpp"
 #include "trebsweep/swing/start_queue.hpp"
+#include "trebsweep/swing/turns.hpp"
 
 namespace trebsweep {
 
@@ -25,12 +26,10 @@ struct NullObserver {
 ///
 /// next(design) sets the next design, or returns false after the last one. done(index, outcome)
 /// receives the outcomes in any order; designs are numbered in the order of next(). If design n has
-/// a release, values[n * fields.size() + i] is set to fields[i], none of which may be in
-/// SwingResult. If `observe` is true, there is a single design, which is in the first lane, and
-/// observe(from, to) is called with
-/// the ends of every accepted step, except the last one of a swing without a release, and of the
-/// step that ends at the release; by rules that choose the release, steps beyond it are observed
-/// before.
+/// a release, values[n * fields.size() + i] is set to fields[i] if that is_of_swing(). If `observe`
+/// is true, there is a single design, which is in the first lane, and observe(from, to) is called
+/// with the ends of every accepted step, except the last one of a swing without a release, and of
+/// the step that ends at the release; rules that choose it have observed steps beyond it before.
 template <class Stepper, class T, Effects E, class Next, class Done, class Observe = NullObserver>
 class Swings {
  public:
@@ -44,16 +43,16 @@ class Swings {
         done_(done),
         observe_(observe),
         starts_(scene, solver),
-        restarts_(scene, solver, request_),
-        releases_(scene, solver, fields, values, observing_) {}
+        turns_(scene, solver),
+        releases_(scene, solver, fields, values) {}
 
   /// Integrates all designs. Returns the number of steps of all lanes, idle lanes included.
   std::uint64_t run() {
     do {
       for (std::size_t lane = 0; lane < lanes; ++lane) refill(lane);
       while (active_ != 0) step();
-      locate_restarts();  // of the last swings
-    } while (!restarts_.empty());
+      locate_turns();  // of the last swings
+    } while (!restarted_.empty());
     locate_releases();
     return steps_taken_ * lanes;
   }
@@ -79,13 +78,13 @@ class Swings {
   LaneMask fixed_step(Instant& from, Instant& to) {
     State<T, E> no_error_estimate;
     advance(stepper_, lanes_.motion, from, lanes_.h, to, no_error_estimate);
-    LaneMask events = rule_.possible(from, to);
-    if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
-    if (restarting_) events |= restarts_.find(lanes_.motion, from, to);
-    const LaneMask ended = check_events(events, ~LaneMask{0}, from, to);
+    const LaneMask turning = turns_.find(lanes_.motion, from, to);
+    const LaneMask events =
+        rule_.possible(from, to) | turning | turns_.stop_after(lanes_.motion, from, to);
+    const LaneMask ended = check_events(events, ~LaneMask{0}, turning, from, to);
     if (observing_ && (ended & 1) == 0) [[unlikely]]
       observe_fixed_step(from, to);
-    follow(active_ & ~ended, from, to, lanes_.h);
+    follow(lanes_, record_, best_, active_ & ~ended, from, to, lanes_.h);
     return ended;
   }
 
@@ -98,16 +97,16 @@ class Swings {
     const auto [good, next] = try_step(stepper_, lanes_.motion, from, h, to, solver_.tolerance);
     to.t = select(last, max_time_, to.t);
     lanes_.h = next;
-    LaneMask events =
-        rule_.possible(from, to) | lanes_of((to.t >= max_time_) | (lanes_.h < shortest_step_));
-    if constexpr (E.pivot) events |= lanes_of(from.x[w1] * to.x[w1] < T(0));
-    if (restarting_) events |= restarts_.find(lanes_.motion, from, to);
+    const LaneMask turning = turns_.find(lanes_.motion, from, to);
+    const LaneMask stopped = lanes_of((to.t >= max_time_) | (lanes_.h < shortest_step_));
     const LaneMask accepted = lanes_of(good);
-    const LaneMask ended = check_events(events, accepted, from, to);
+    const LaneMask ended =
+        check_events(rule_.possible(from, to) | turning | stopped, accepted, turning, from, to);
     if (observing_ && (accepted & ~ended & 1) != 0) [[unlikely]]
       observe_(from, to);
     if ((~accepted & active_) != 0) copy_where<T>(!good, to, from);
-    follow(active_ & ~ended, from, to, step_between(from, to));  // a rejected step adds nothing
+    // A rejected step adds nothing.
+    follow(lanes_, record_, best_, active_ & ~ended, from, to, step_between(from, to));
     return ended;
   }
 
@@ -116,32 +115,34 @@ class Swings {
     observe_(from, to);
   }
 
-  /// Extends records and searches by a step, if they are needed: those of the lanes in `mask`, or
-  /// of all lanes.
-  void follow(LaneMask mask, const Instant& from, const Instant& to, const T& h) {
-    if (rule_.chooses()) search(mask & ~sliding_lanes(), from, to, h);
-    if (request_.steps()) record(from, to, h);
+  /// Extends records by a step of the swings in a pack, if they are needed, and searches for the
+  /// best release in the lanes of `mask`.
+  void follow(const LaneState<T, E>& state, SwingRecord<T>& record, BestRelease<T, E>& best,
+              LaneMask mask, const Instant& from, const Instant& to, const T& h) {
+    if (rule_.chooses() || request_.steps()) follow_needed(state, record, best, mask, from, to, h);
   }
 
-  [[gnu::noinline]] void record(const Instant& from, const Instant& to, const T& h) {
-    const Mechanism<T, E> mechanism(scene_, lanes_.design);
-    record_ = record_step(record_, request_, stepper_, solver_.tolerance, lanes_.motion, mechanism,
-                          from, to, h);
-  }
-
-  [[gnu::noinline]] void search(LaneMask mask, const Instant& from, const Instant& to, const T& h) {
-    const Mechanism<T, E> mechanism(scene_, lanes_.design);
-    best_.try_step(mask, solver_.release, lanes_.motion, mechanism, from, to, h, record_);
+  [[gnu::noinline]] void follow_needed(const LaneState<T, E>& state, SwingRecord<T>& record,
+                                       BestRelease<T, E>& best, LaneMask mask, const Instant& from,
+                                       const Instant& to, const T& h) {
+    const Mechanism<T, E> mechanism(scene_, state.design);
+    mask &= ~lanes_of(state.motion.sliding() > T(0));
+    if (rule_.chooses())
+      best.try_step(mask, solver_.release, state.motion, mechanism, from, to, h, record);
+    if (request_.steps())
+      record = record_step(record, request_, stepper_, solver_.tolerance, state.motion, mechanism,
+                           from, to, h);
   }
 
   /// Handles possible events, and lanes that have used up their steps. Returns the lanes whose
-  /// swing has ended.
-  LaneMask check_events(LaneMask events, LaneMask accepted, Instant& from, Instant& to) {
+  /// swing has ended or waits.
+  LaneMask check_events(LaneMask events, LaneMask accepted, LaneMask turning, Instant& from,
+                        Instant& to) {
     if (steps_taken_ >= next_step_check_) events |= lanes_at_step_limit();
     events &= active_;
     if (events == 0) [[likely]]
       return 0;
-    return handle_events(events, accepted, from, to);
+    return handle_events(events, accepted, turning, from, to);
   }
 
   /// The lanes that have used up their steps. Sets the step at which to check again.
@@ -161,99 +162,106 @@ class Swings {
   /// The steps of the swing in a lane so far.
   std::uint64_t steps(std::size_t lane) const { return steps_taken_ - owner_[lane].first_step; }
 
-  /// Returns the lanes in `events` whose swing has ended, and reports or queues their outcomes.
-  [[gnu::noinline]] LaneMask handle_events(LaneMask events, LaneMask accepted, Instant& from,
-                                           Instant& to) {
+  /// Returns the lanes in `events` whose swing has ended, and reports them, or waits.
+  [[gnu::noinline]] LaneMask handle_events(LaneMask events, LaneMask accepted, LaneMask turning,
+                                           Instant& from, Instant& to) {
     if constexpr (!adaptive) set_times(events, from, to);
-    LaneMask ended = 0;
-    [[maybe_unused]] const LaneMask turning = events & accepted;
-    rule_.end_at_turning_points(events & accepted & ~sliding_lanes(), stepper_, lanes_.motion, from,
-                                to);
+    turning |=
+        lanes_of(rule_.may_turn_beyond(from, to)) & ~lanes_of(lanes_.motion.sliding() > T(0));
+    LaneMask left = 0;
     for (; events != 0; events &= events - 1) {
       const std::size_t lane = first_lane(events);
-      if (has_ended(lane, (accepted >> lane & 1) != 0, from, to)) ended |= LaneMask{1} << lane;
+      const SwingStep<T, E> step{
+          lane, owner_[lane].index, steps(lane), lanes_, record_, best_, from, to};
+      if (leaves_lane(step, accepted >> lane & 1, turning >> lane & 1)) left |= LaneMask{1} << lane;
     }
-    if constexpr (E.pivot) {
-      if (scene_.pivot_friction > 0) apply_static_friction(turning & ~ended, from, to);
-    }
-    return ended;
+    if (turns_.stop_after(lanes_.motion, from, to) != 0)
+      turns_.stop(turns_.stopping(lanes_.motion, from, to), lanes_.motion, to);
+    return left;
   }
 
-  /// Whether the swing in a lane has ended with this step.
-  bool has_ended(std::size_t lane, bool accepted, const Instant& from, const Instant& to) {
-    const auto end = [&](Status status, const Instant& at) {
-      done_(owner_[lane].index, outcome_of(status, at, lane, Number(0), steps(lane)));
-      return true;
-    };
-    if (!is_finite(to, lane) && (!adaptive || step_underflows(lane, from)))
-      return end(Status::non_finite, from);
+  /// Whether the swing of a step ends or waits until its events are located.
+  bool leaves_lane(const SwingStep<T, E>& step, bool accepted, bool turns) {
+    if (!is_finite(step.to, step.lane) && (!adaptive || step_underflows(step)))
+      return end(Status::non_finite, step, step.from);
     if (accepted) {
-      const Number t = get_lane(to.t, lane);
-      const bool late = t > latest_;
-      const bool sliding = (sliding_lanes() >> lane & 1) != 0;
-      if (restarting_ && restarts_.finds(lane) && steps(lane) < solver_.max_steps &&
-          (sliding || !late)) {
-        if (late && !restarts_.lifts_off_before(max_time_, lane, stepper_, lanes_.motion, from))
-          return end(Status::never_lifted, from);
-        restarts_.push(lane, owner_[lane].index, steps(lane), lanes_, record_, best_, from, to);
-        if (restarts_.full()) locate_restarts();
+      const bool late = get_lane(step.to.t, step.lane) > latest_;
+      if (turns && step.steps < solver_.max_steps && (step.sliding() || !late)) {
+        turning_.push(step, {true, recording_, rule_.chooses()});
+        if (turning_.full()) locate_turns();
         return true;
       }
-      if (!sliding && rule_.ends(lane, from, to) && !(late && rule_.is_window())) {
-        releases_.push(lane, owner_[lane].index, steps(lane), lanes_, record_, best_, from, to);
-        if (releases_.full()) locate_releases();
-        return true;
-      }
-      const Status unreleased = sliding ? Status::never_lifted : Status::not_released;
-      if (late) return end(unreleased, from);
-      if (t >= Number(solver_.max_time) || rule_.gives_up(lane, sliding, from, to))
-        return end(unreleased, to);
-    } else if (step_underflows(lane, from)) {
-      return end(Status::step_underflow, from);
+      if (ends(step)) return true;
+    } else if (step_underflows(step)) {
+      return end(Status::step_underflow, step, step.from);
     }
-    if (steps(lane) >= solver_.max_steps) return end(Status::step_budget, accepted ? to : from);
-    return false;
+    return step.steps >= solver_.max_steps &&
+           end(Status::step_budget, step, accepted ? step.to : step.from);
   }
 
-  /// The lanes whose projectile slides in the trough.
-  LaneMask sliding_lanes() const {
-    if constexpr (E.trough) return lanes_of(lanes_.motion.sliding() > T(0));
-    return 0;
-  }
-
-  void locate_restarts() {
-    const auto ends = [&](std::size_t lane, std::uint64_t index, std::uint64_t steps,
-                          const auto& pending, const BestRelease<T, E>& best) {
-      const auto& [state, record, from, to, part, value] = pending;
-      const bool sliding = get_lane(state.motion.sliding(), lane) > Number(0);
-      if (!sliding && rule_.ends(lane, from, to)) {
-        releases_.push(lane, index, steps, state, record, best, from, to);
-        if (releases_.full()) locate_releases();
-        return true;
-      }
-      if (!rule_.gives_up(lane, sliding, from, to)) return false;
-      const Status unreleased = sliding ? Status::never_lifted : Status::not_released;
-      done_(index, outcome_of(unreleased, to, lane, Number(0), steps));
+  /// Whether a swing ends with an accepted step, without turns before its end.
+  bool ends(const SwingStep<T, E>& step) {
+    const auto& [lane, index, steps, state, record, best, from, to] = step;
+    const Number t = get_lane(to.t, lane);
+    const bool late = t > latest_;
+    if (!step.sliding() && rule_.ends(lane, from, to) && !(late && rule_.is_window())) {
+      const bool needs_step = observing_ || recording_ || !rule_.is_window();
+      ending_.push(step, {needs_step, recording_, rule_.chooses()});
+      if (ending_.full()) locate_releases();
       return true;
-    };
-    restarts_.locate(stepper_, ends, [&](const Instant& from, const Instant& to) {
-      if (observing_) observe_(from, to);
-    });
+    }
+    const Status unreleased = step.sliding() ? Status::never_lifted : Status::not_released;
+    if (late) return end(unreleased, step, from);
+    return (t >= Number(solver_.max_time) || rule_.gives_up(lane, step.sliding(), from, to)) &&
+           end(unreleased, step, to);
   }
 
-  void locate_releases() {
-    releases_.locate_releases(stepper_, [&](std::uint64_t index, const auto& outcome,
-                                            const Instant& from, const Instant& to) {
+  /// Reports the end of a swing without a release.
+  bool end(Status status, const SwingStep<T, E>& step, const Instant& at) {
+    done_(step.index, outcome_of(status, at, step.lane, Number(0), step.steps));
+    return true;
+  }
+
+  /// Locates the turns of the swings that wait. Those that do not end with the located one restart
+  /// from it.
+  [[gnu::noinline]] void locate_turns() {
+    if (turning_.lanes == 0) return;
+    turning_.fill_idle_lanes();
+    auto& [state, record, from, to, best, index, steps, waiting] = turning_;
+    const T lifts_off = turns_.locate(stepper_, state.motion, from, to);
+    for (LaneMask left = waiting; left != 0; left &= left - 1) {
+      const std::size_t lane = first_lane(left);
+      if (ends(turning_.step(lane))) waiting &= ~(LaneMask{1} << lane);
+    }
+    if (waiting == 0) return;
+    follow(state, record, best, waiting, from, to, step_between(from, to));
+    if constexpr (E.trough) {
+      record.lift_off_time = select(lifts_off > T(0), to.t, record.lift_off_time);
+      record.projectile_clearance =
+          select(lifts_off > T(0), T(scene_.trough_height), record.projectile_clearance);
+    }
+    if (observing_) observe_(from, to);
+    turns_.lift_off(lifts_off, state.motion, to);
+    restarted_.push_back(std::exchange(turning_, WaitingSwings<T, E>{}));
+  }
+
+  /// Locates the releases of the swings that wait for it.
+  [[gnu::noinline]] void locate_releases() {
+    if (ending_.lanes == 0) return;
+    ending_.fill_idle_lanes();
+    releases_.locate(stepper_, ending_, [&](std::uint64_t index, const auto& outcome) {
       done_(index, outcome);
-      if (observing_ && has_speed(outcome.status)) observe_(from, to);
+      if (observing_ && has_speed(outcome.status)) observe_(ending_.from, ending_.to);
     });
+    ending_.lanes = 0;
   }
 
   /// Whether the next step of an adaptive method would be too short to change the time; near t = 0,
   /// time-step takes the place of the time.
-  bool step_underflows(std::size_t lane, const Instant& from) const {
-    const Number time = std::max<Number>(get_lane(from.t, lane), solver_.time_step);
-    return adaptive && get_lane(lanes_.h, lane) < std::numeric_limits<Number>::epsilon() * time;
+  bool step_underflows(const SwingStep<T, E>& step) const {
+    const Number time = std::max<Number>(get_lane(step.from.t, step.lane), solver_.time_step);
+    return adaptive &&
+           get_lane(lanes_.h, step.lane) < std::numeric_limits<Number>::epsilon() * time;
   }
 
   /// Sets the times of a step of a fixed-step method.
@@ -269,30 +277,12 @@ class Swings {
     return owner_[lane].time_after(step, solver_.time_step);
   }
 
-  /// Where the arm turns back, continues from rest, so that dry friction decides whether it moves:
-  /// at the turning point, or at the end of the step of a fixed-step method.
-  void apply_static_friction(LaneMask mask, const Instant& from, Instant& to) {
-    mask &= lanes_of((from.x[w1] * to.x[w1]) < T(0));
-    // A projectile that slides through below the arm's tip turns the arm back without a stop.
-    if constexpr (E.trough) mask &= ~(sliding_lanes() & lanes_of((from.x[w2] * to.x[w2]) > T(0)));
-    if (mask == 0) return;
-    Instant turn = to;
-    const AngleEvent<Number> arm{false, Number(0)};
-    if constexpr (adaptive) turn = turn_between(arm, stepper_, lanes_.motion, from, to);
-    turn.x[w1] = T(0);
-    // In the trough, an arm at rest holds the sling.
-    if constexpr (E.trough) turn.x[w2] = select(lanes_.motion.sliding() > T(0), T(0), turn.x[w2]);
-    lanes_.motion.rates(turn.x, turn.directions, turn.dxdt);
-    for (; mask != 0; mask &= mask - 1) copy_lane<T>(to, first_lane(mask), turn, first_lane(mask));
-  }
-
   /// Continues a swing after an event in a lane or starts the next design, or leaves the lane idle
   /// after the last one.
   void refill(std::size_t lane) {
     Instant& now = now_[steps_taken_ % 2];
-    if (restarts_.has_located()) {
-      const auto [index, steps] = restarts_.pop(lane, lanes_, record_, best_, now);
-      owner_[lane] = {index, steps_taken_ - steps, steps_taken_, get_lane(now.t, lane)};
+    if (!restarted_.empty()) {
+      restart(lane, now);
     } else {
       if (starts_.empty())
         starts_.refill(stepper_, next_, [&](std::uint64_t index, Status status) {
@@ -310,6 +300,20 @@ class Swings {
     active_ |= LaneMask{1} << lane;
   }
 
+  /// Continues a swing after an event in a lane.
+  [[gnu::noinline]] void restart(std::size_t lane, Instant& now) {
+    WaitingSwings<T, E>& swings = restarted_.back();
+    const std::size_t from = first_lane(swings.lanes);
+    copy_lane<T>(lanes_, lane, swings.state, from);
+    copy_lane<T>(record_, lane, swings.record, from);
+    copy_lane<T>(now, lane, swings.to, from);
+    if (rule_.chooses()) best_.copy(lane, swings.best, from);
+    owner_[lane] = {swings.index[from], steps_taken_ - swings.steps[from], steps_taken_,
+                    get_lane(now.t, lane)};
+    swings.lanes &= swings.lanes - 1;
+    if (swings.lanes == 0) restarted_.pop_back();
+  }
+
   const Scene scene_;
   const Solver solver_;
   Stepper& stepper_;
@@ -325,7 +329,6 @@ class Swings {
   const T shortest_step_ = std::numeric_limits<Number>::epsilon() *
                            std::max<Number>(solver_.max_time, solver_.time_step);
   const ReleaseRule<Number> rule_{solver_};
-  const bool restarting_ = E.trough || rule_.is_of_sling();
   const std::uint64_t step_limit_ = step_limit<adaptive>(solver_);
 
   LaneState<T, E> lanes_{};
@@ -338,8 +341,10 @@ class Swings {
   std::uint64_t next_step_check_ = std::numeric_limits<std::uint64_t>::max();
 
   StartQueue<Stepper, T, E> starts_;
-  RestartQueue<Stepper, T, E> restarts_;
-  ReleaseQueue<Stepper, T, E> releases_;
+  const Turns<Stepper, T, E> turns_;
+  const Releases<Stepper, T, E> releases_;
+  WaitingSwings<T, E> turning_, ending_;        // with turns, and with ends, to be located
+  std::vector<WaitingSwings<T, E>> restarted_;  // that wait for lanes
 };
 
 }  // namespace trebsweep
