@@ -303,8 +303,8 @@ TEST_CASE("A pin releases when its angle is first fallen to after the lift-off")
   for (RandomSwing& swing : random_swings(100)) {
     swing.max_time = std::min(swing.max_time, 5 * time_scale(swing.machine));
     for (const double angle : {0.3, 1.3, 2.3}) {
-      const double time = with_general_effects(swing.machine.scene,
-                                       [&]<Effects E>() { return first_fall<E>(swing, angle); });
+      const double time = with_general_effects(
+          swing.machine.scene, [&]<Effects E>() { return first_fall<E>(swing, angle); });
       for (const Solver& solver : {solver_of("vern8", 1e-10, {}), solver_of("dopri5", 1e-9, {}),
                                    solver_of("rk4", 1e-3, {})}) {
         const SwingResult result = release_by_pin(swing, angle, solver);
@@ -326,8 +326,8 @@ TEST_CASE("A pin releases where its angle is only grazed within a step") {
   int grazed = 0;
   for (RandomSwing& swing : random_swings(100)) {
     swing.max_time = std::min(swing.max_time, 5 * time_scale(swing.machine));
-    const Minimum minimum =
-        with_general_effects(swing.machine.scene, [&]<Effects E>() { return first_minimum<E>(swing); });
+    const Minimum minimum = with_general_effects(
+        swing.machine.scene, [&]<Effects E>() { return first_minimum<E>(swing); });
     if (std::isnan(minimum.t) || minimum.t < 1e-3) continue;
     for (const Solver& solver : {solver_of("vern8", 1e-11, {}), solver_of("fehlberg78", 1e-11, {}),
                                  solver_of("dopri5", 1e-10, {})}) {

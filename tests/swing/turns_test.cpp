@@ -324,8 +324,8 @@ TEST_CASE("A projectile that slides through below the arm's tip keeps its energy
     Solver solver = solver_with(stepper, stepper == "rk4" ? 1e-4 : 1e-10);
     solver.max_time = 1.4;
     int turns = 0;
-    const auto end = swing<hinged>(
-        m.scene, m.design, solver, [&](const auto& from, const auto& to) {
+    const auto end =
+        swing<hinged>(m.scene, m.design, solver, [&](const auto& from, const auto& to) {
           if (stepper == "rk4")
             loss += m.scene.pivot_friction * std::abs(to.x[phi1] - from.x[phi1]);
           turns += from.x[w1] > 0 && to.x[w1] < 0;
