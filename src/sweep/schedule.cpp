@@ -11,8 +11,8 @@ std::uint64_t tiles_along(const Index3& extent, const Index3& edge, std::size_t 
   return (extent[axis] + edge[axis] - 1) / edge[axis];
 }
 
-/// The largest divisor of the extent between two thirds of an edge and the edge, or the edge if
-/// there is none. Where the end of an axis cuts a chunk, HDF5 writes it in many small pieces.
+/// The largest divisor of the extent between two thirds of an edge and the edge; otherwise the
+/// edge. Where the end of an axis cuts a chunk, HDF5 writes it in many small pieces.
 std::size_t even_edge(std::size_t edge, std::size_t extent) {
   for (std::size_t e = edge; 3 * e >= 2 * edge; --e)
     if (extent % e == 0) return e;

@@ -64,7 +64,7 @@ TEST_CASE("The text counts the designs of each status that occurs") {
                                           contains(" 1 non_finite\n") && !contains("not_released"));
 }
 
-TEST_CASE("If no design is released, the text says so") {
+TEST_CASE("The text reports that no design is released") {
   CHECK_THAT(to_text(without_optimum(Status::non_finite), Job{}),
              contains("non_finite") && contains("optimum   none: nothing was released\n"));
 }

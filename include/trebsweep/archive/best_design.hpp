@@ -14,7 +14,7 @@
 namespace trebsweep {
 
 /// The best of some designs of a scene: the one with the largest objective among those that are
-/// released and satisfy the job's constraints. If there is none, all members are NaN; so is a
+/// released and satisfy the job's constraints. Without one, all members are NaN; so is a
 /// member that is not known.
 struct BestDesign {
   static constexpr double nan = std::numeric_limits<double>::quiet_NaN();
