@@ -299,6 +299,27 @@ TEST_CASE("Steps are counted, and limited, across the lift-off") {
   }
 }
 
+TEST_CASE("Fixed steps that are far too long do not turn at ever shorter intervals") {
+  Machine m;
+  m.design.r3 = 0.4;
+  m.scene.start_angle = 0.8;
+  m.scene.counterweight_hanger = 0.3;
+  m.scene.trough = true;
+  m.scene.trough_height = 0.8;
+  m.scene.pivot_friction = 300;
+  for (const std::string stepper : {"euler", "modified_midpoint", "rk4"}) {
+    Solver solver = solver_with(stepper, 0.02);
+    solver.release = Release::farthest;
+    solver.max_time = 0.75;
+    const auto steps_of_time = static_cast<std::uint64_t>(solver.max_time / solver.time_step);
+    for (m.design.r1 = 0.51; m.design.r1 < 1.2; m.design.r1 += 0.03)
+      for (m.design.r2 = 0.4; m.design.r2 < 0.9; m.design.r2 += 0.02) {
+        INFO(stepper << " " << m.design.r1 << " " << m.design.r2);
+        CHECK(swing_of(m, solver).result.steps < 2 * steps_of_time);
+      }
+  }
+}
+
 TEST_CASE("Dry friction holds a beam in the trough") {
   Machine m = machine("A");
   m.scene.pivot_friction = 1e4;

@@ -11,15 +11,16 @@
 
 namespace trebsweep {
 
-/// The fraction of a step after which a function is found to have changed its sign, and its value
-/// there, which is positive; 0 where it has not.
+/// The fraction of a step after which a function is found to have changed its sign, 0 where it has
+/// not, and an estimate of its value there.
 template <class T>
 struct SignChange {
   T part, value;
 };
 
 /// Where phi1 - phi2 has turned back, to a quarter of the step. It may turn again later in the
-/// step. The value is its rate, with the sign reversed if that is negative at the start.
+/// step. The value is its rate, extrapolated linearly, with the sign reversed if that is negative
+/// at the start: if the steps are far too long, what interpolation says about rates has no meaning.
 template <class T, Effects E>
 SignChange<T> turn_of_sling(const Instant<T, E>& from, const Instant<T, E>& to) {
   using std::abs;
@@ -29,16 +30,15 @@ SignChange<T> turn_of_sling(const Instant<T, E>& from, const Instant<T, E>& to) 
   const T a = h * T(from.dxdt[w1] - from.dxdt[w2]), end_a = h * T(to.dxdt[w1] - to.dxdt[w2]);
   // After a turning point, where the rate is zero, the acceleration has its sign.
   const T sign = select(select(abs(v) > T(0), v, a) < T(0), T(1), T(-1));
-  SignChange<T> change{select(sign * end_v > T(0), T(1), T(0)), sign * end_v};
+  T part = select(sign * end_v > T(0), T(1), T(0));
   for (int i = parts - 1; i > 0; --i) {
     const double s = static_cast<double>(i) / parts, r = 1 - s;
     // Cubic Hermite interpolation of the rate.
     const T rate = T(r * r * (1 + 2 * s)) * v + T(s * s * (1 + 2 * r)) * end_v + T(s * r * r) * a -
                    T(s * s * r) * end_a;
-    const auto turned = sign * rate > T(0);
-    change = {select(turned, T(s), change.part), select(turned, T(sign * rate), change.value)};
+    part = select(sign * rate > T(0), T(s), part);
   }
-  return change;
+  return {part, T(sign * T(v + part * a))};
 }
 
 /// The turning points and the lift-off from which a swing restarts: the lift-off from the trough;
@@ -123,6 +123,9 @@ class Turns {
                                  const Instant<T, E>& to) const {
     SignChange<T> change{T(0), T(0)};
     if (rule_.is_of_sling()) change = turn_of_sling(from, to);
+    // An arm that stops at the end of the step changes the rate of phi1 - phi2 there.
+    if (stops_ && !is_adaptive<Stepper>)
+      change.part = select(arm_turns(motion, from, to), T(0), change.part);
     if constexpr (E.trough) {
       const auto slides = motion.sliding() > T(0);
       if (any(slides)) {
@@ -207,7 +210,8 @@ class Turns {
   Instant<T, E> locate_within(const T& part, const T& end, F value, Stepper& stepper,
                               const Motion<T, E>& motion, const Instant<T, E>& from,
                               const Instant<T, E>& to) const {
-    const T start = value(from), slope = T(end - start) / part;
+    using std::abs;
+    const T start = value(from), slope = T(abs(T(end - start))) / part;
     const Bracket<T, E> bracket{from, step_between(from, to), T(0), part, T(-start / slope), slope};
     return locate_by_secants(bracket, stepper, motion, value,
                              T(std::min(std::sqrt(epsilon_), 100 * tolerance_)));
