@@ -5,14 +5,15 @@
 #include <array>
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "trebsweep/assess/accuracy.hpp"
 #include "trebsweep/model/jacobian.hpp"
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/advance.hpp"
 #include "trebsweep/ode/rosenbrock_step.hpp"
 #include "trebsweep/ode/stepper.hpp"
+#include "trebsweep/swing/advance.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
@@ -75,27 +76,31 @@ Phases phases(const Scene& scene, const Design<double>& design, const Reference&
   return {sliding, time - sliding};
 }
 
-/// error_of_steps() in numbers of type T.
+/// An Advance for steps of length h (s), in numbers of type T.
 template <class T, Effects E>
-double error_in(const std::string& stepper, const Scene& scene, const Design<double>& design,
-                const Reference& reference, const Phases& phases, const StepCounts& steps) {
+using MakeAdvance = std::function<std::function<Instant<T, E>(
+    const Motion<T, E>& motion, const Instant<T, E>& from, T h)>(double h)>;
+
+/// error_of_steps() with the steps of an Advance.
+template <class T, Effects E>
+double error_with(const MakeAdvance<T, E>& make_advance, const Scene& scene,
+                  const Design<double>& design, const Reference& reference,
+                  const StepCounts& steps) {
   const Design<T> d{T(design.r1), T(design.r3), T(design.r2)};
+  const auto [sliding, free] = phases(scene, design, reference);
   Motion<T, E> motion(scene, d);
   auto now = instant(motion, T(0), start<T, E>(scene, d));
   const auto integrate_phase = [&](const T& time, std::uint64_t count) {
     const T h = time / static_cast<T>(count);
-    Solver solver;
-    solver.stepper = stepper;
-    solver.time_step = static_cast<double>(h);
-    const auto advance = make_advance<T, E>(solver);
+    const auto advance = make_advance(static_cast<double>(h));
     for (std::uint64_t i = 0; i < count; ++i) now = advance(motion, now, h);
   };
   if constexpr (E.trough) {
-    if (phases.sliding > 0) integrate_phase(static_cast<T>(phases.sliding), steps.sliding);
+    if (sliding > 0) integrate_phase(static_cast<T>(sliding), steps.sliding);
     motion.set_sliding(T(0));
     motion.rates(now.x, now.directions, now.dxdt);
   }
-  if (phases.free > 0) integrate_phase(static_cast<T>(phases.free), steps.free);
+  if (free > 0) integrate_phase(static_cast<T>(free), steps.free);
   double largest = 0;
   for (std::size_t i = 0; i < coordinates<E>; ++i) {
     const long double truth = reference.state[i];
@@ -103,6 +108,27 @@ double error_in(const std::string& stepper, const Scene& scene, const Design<dou
     largest = error <= largest ? largest : error;  // NaN stays
   }
   return std::isfinite(largest) ? largest : std::numeric_limits<double>::infinity();
+}
+
+/// The same with a stepper for packs, in extended precision, in which rounding hides the order of
+/// fewer methods.
+template <Effects E>
+double extended_error(const std::string& stepper, const Scene& scene, const Design<double>& design,
+                      const Reference& reference, const StepCounts& steps) {
+  using Instant = trebsweep::Instant<long double, E>;
+  return with_pack_stepper(
+      stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+        Stepper<long double, E> method;
+        const auto advance_by = [&](const Motion<long double, E>& motion, const Instant& from,
+                                    long double h) {
+          Instant to;
+          State<long double, E> error;
+          advance(method, motion, from, h, to, error);
+          return to;
+        };
+        return error_with<long double, E>([&](double) { return advance_by; }, scene, design,
+                                          reference, steps);
+      });
 }
 
 }  // namespace
@@ -162,11 +188,15 @@ double largest_stable_step(const std::string& stepper, const std::vector<Spectru
 
 double error_of_steps(const std::string& stepper, const Scene& scene, const Design<double>& design,
                       const Reference& reference, const StepCounts& steps) {
-  const Phases durations = phases(scene, design, reference);
   return with_general_effects(scene, [&]<Effects E>() {
-    return is_for_packs(stepper)
-               ? error_in<long double, E>(stepper, scene, design, reference, durations, steps)
-               : error_in<double, E>(stepper, scene, design, reference, durations, steps);
+    if (is_for_packs(stepper)) return extended_error<E>(stepper, scene, design, reference, steps);
+    const auto make = [&](double h) {
+      Solver solver;
+      solver.stepper = stepper;
+      solver.time_step = h;
+      return make_advance<E>(scene, design, solver);
+    };
+    return error_with<double, E>(make, scene, design, reference, steps);
   });
 }
 
@@ -218,7 +248,7 @@ Growth growth_with(const std::string& stepper, const Scene& scene, const Design<
   Solver solver;
   solver.stepper = stepper;
   solver.time_step = h;
-  const auto advance = make_advance<double, E>(solver);
+  const auto advance = make_advance<E>(scene, design, solver);
   auto now = instant(motion, 0.0, x);
   for (std::uint64_t i = 0; i < steps; ++i) now = advance(motion, now, h);
   const double predicted =

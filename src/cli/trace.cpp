@@ -12,7 +12,7 @@
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/cli/followed_swing.hpp"
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/advance.hpp"
+#include "trebsweep/swing/advance.hpp"
 #include "trebsweep/swing/flight.hpp"
 #include "trebsweep/swing/load_samples.hpp"
 #include "trebsweep/swing/swing.hpp"
@@ -138,7 +138,7 @@ class Printer {
           std::optional<double> lift_off, std::FILE* out)
       : motion_(job.scene, design),
         mechanism_(job.scene, design),
-        advance_(make_advance<double, E>(job.solver)),
+        advance_(make_advance<E>(job.scene, design, job.solver)),
         interval_(interval),
         lift_off_(lift_off),
         out_(out) {}
@@ -176,7 +176,7 @@ class Printer {
 
   Motion<double, E> motion_;
   Mechanism<double, E> mechanism_;
-  Advance<double, E> advance_;
+  Advance<E> advance_;
   std::optional<double> interval_, lift_off_;
   std::FILE* out_;
   std::uint64_t row_ = 0;

@@ -5,20 +5,11 @@
 #include <vector>
 
 #include "trebsweep/ode/steppers.hpp"
-#include "trebsweep/swing/kernel.hpp"
+#include "trebsweep/swing/plain_instant.hpp"
 #include "trebsweep/swing/swing_by.hpp"
 
 namespace trebsweep {
 namespace {
-
-template <Effects E>
-Instant<double, E> typed(const PlainInstant& at) {
-  Instant<double, E> instant{at.t, {}, {}, {}};
-  std::copy_n(at.x.begin(), instant.x.size(), instant.x.begin());
-  std::copy_n(at.directions.begin(), instant.directions.size(), instant.directions.begin());
-  std::copy_n(at.dxdt.begin(), instant.dxdt.size(), instant.dxdt.begin());
-  return instant;
-}
 
 /// By a stepper for packs.
 template <Effects E>
@@ -28,7 +19,7 @@ Outcome<double, E> swing_in_lane(const Scene& scene, const Design<double>& desig
   ObservedSwing observed;
   if (observe)
     observed.step = [&](const PlainInstant& from, const PlainInstant& to) {
-      observe(typed<E>(from), typed<E>(to));
+      observe(to_instant<double, E>(from), to_instant<double, E>(to));
     };
   SwingResult result;
   const Work work =
@@ -44,17 +35,10 @@ template <Effects E>
 Outcome<double, E> swing_alone(const Scene& scene, const Design<double>& design,
                                const Solver& solver, const Observer<E>& observe,
                                std::span<const Field> fields, std::span<double> values) {
-  const auto swing_with = [&](auto&& stepper) {
-    return swing_by<double, E>(stepper, scene, design, solver, observe, fields, values);
-  };
-  switch (info_of_stepper(solver.stepper).id) {
-    case StepperId::adams_bashforth_moulton:
-      return swing_with(AdamsBashforthMoulton<double, E>(solver));
-    case StepperId::bulirsch_stoer:
-      return swing_with(BulirschStoer<double, E>(solver));
-    default:
-      return swing_with(Rosenbrock4<double, E>());
-  }
+  return with_single_stepper(solver.stepper, [&]<template <class, Effects> class Stepper>() {
+    return swing_by<double, E>(make_stepper<Stepper<double, E>>(solver), scene, design, solver,
+                               observe, fields, values);
+  });
 }
 
 }  // namespace

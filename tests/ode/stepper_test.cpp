@@ -106,19 +106,22 @@ TEST_CASE("The error estimate of an adaptive stepper converges at its order") {
 }
 
 TEST_CASE("An unknown stepper is an error") {
-  REQUIRE_THROWS_AS(with_stepper("leapfrog", []<template <class, Effects = Effects{}> class>(){}),
-                    std::logic_error);
+  const auto none = []<template <class, Effects = Effects{}> class>(){};
+  REQUIRE_THROWS_AS(with_pack_stepper("leapfrog", none), std::logic_error);
+  REQUIRE_THROWS_AS(with_single_stepper("leapfrog", none), std::logic_error);
+  REQUIRE_THROWS_AS(with_single_stepper("euler", none), std::logic_error);
 }
 
 TEST_CASE("The registry describes the steppers") {
-  for (const StepperInfo& info : stepper_info)
-    with_stepper(
-        info.name, [&]<template <class, Effects = Effects{}> class Stepper>() {
-          const auto stepper = make_stepper<Stepper<double>>(Solver());
-          CHECK(info.follows_tolerance == is_adaptive<Stepper<double>>);
-          CHECK((info.order == 0) == is_own_controller<Stepper<double>>);
-          if (info.order > 0) CHECK(info.order == stepper.order());
-        });
+  for (const StepperInfo& info : stepper_info) {
+    const auto check = [&]<template <class, Effects = Effects{}> class Stepper>() {
+      const auto stepper = make_stepper<Stepper<double>>(Solver());
+      CHECK(info.follows_tolerance == is_adaptive<Stepper<double>>);
+      CHECK((info.order == 0) == is_own_controller<Stepper<double>>);
+      if (info.order > 0) CHECK(info.order == stepper.order());
+    };
+    info.for_packs ? with_pack_stepper(info.name, check) : with_single_stepper(info.name, check);
+  }
 }
 
 TEST_CASE("The first extrapolated step of a swing does not depend on earlier swings") {

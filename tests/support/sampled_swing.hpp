@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/advance.hpp"
+#include "trebsweep/swing/advance.hpp"
 
 namespace trebsweep {
 
@@ -16,7 +16,7 @@ class SampledSwing {
 
   /// `h` (s) is the length of the steps.
   SampledSwing(const Scene& scene, const Design<double>& design, double h)
-      : h_(h), motion_(scene, design), advance_(make_advance<double, E>(Solver{})) {
+      : h_(h), motion_(scene, design), advance_(make_advance<E>(scene, design, Solver{})) {
     now_ = instant(motion_, 0, start<double, E>(scene, design));
     if (normal_force(now_) <= 0) lift_off();
   }
@@ -68,7 +68,7 @@ class SampledSwing {
 
   double h_;
   Motion<double, E> motion_;
-  Advance<double, E> advance_;
+  Advance<E> advance_;
   Instant now_;
 };
 

@@ -5,7 +5,7 @@
 #include "support/catch.hpp"
 #include "support/machines.hpp"
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/advance.hpp"
+#include "trebsweep/swing/advance.hpp"
 #include "trebsweep/swing/integrate.hpp"
 #include "trebsweep/swing/swing.hpp"
 
@@ -34,7 +34,7 @@ template <Effects E>
 Observed observe_swing(const Machine& m, const Solver& solver, Outcome<double, E>& outcome) {
   const Mechanism<double, E> mechanism(m.scene, m.design);
   Motion<double, E> motion(m.scene, m.design);
-  const auto advance = make_advance<double, E>(solver);
+  const auto advance = make_advance<E>(m.scene, m.design, solver);
   Observed o;
   double end = 0;
   outcome = swing<E>(m.scene, m.design, solver, [&](const auto& from, const auto& to) {

@@ -8,7 +8,7 @@
 #include "support/catch.hpp"
 #include "trebsweep/job/sample.hpp"
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/advance.hpp"
+#include "trebsweep/swing/advance.hpp"
 #include "trebsweep/swing/integrate.hpp"
 #include "trebsweep/swing/swing.hpp"
 
@@ -114,7 +114,7 @@ Swung swing_finely(const Scene& scene, const Design<double>& design, const Solve
                               Field::peak_axle_load, Field::peak_beam_stress};
   const Mechanism<double, E> mechanism(scene, design);
   const Motion<double, E> motion(scene, design);
-  const auto advance = make_advance<double, E>(solver);
+  const auto advance = make_advance<E>(scene, design, solver);
   FinePeaks fine;
   Swung swung{};
   const auto sample_finely = [&](const Instant<double, E>& from, const Instant<double, E>& to) {

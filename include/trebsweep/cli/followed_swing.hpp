@@ -13,7 +13,7 @@
 #include "trebsweep/job/buildable.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/ode/advance.hpp"
+#include "trebsweep/swing/advance.hpp"
 #include "trebsweep/swing/flight.hpp"
 #include "trebsweep/swing/load_samples.hpp"
 #include "trebsweep/swing/peak.hpp"
@@ -73,7 +73,7 @@ class Follower {
   Follower(const Job& job, const Design<double>& design)
       : motion_(job.scene, design),
         mechanism_(job.scene, design),
-        advance_(make_advance<double, E>(job.solver)) {
+        advance_(make_advance<E>(job.scene, design, job.solver)) {
     end_ = instant(motion_, 0, start<double, E>(job.scene, design));
     if (E.trough && normal_force(end_) <= 0) lift_off();
     add(loads_at(motion_, mechanism_, end_), 0);
@@ -159,7 +159,7 @@ class Follower {
 
   Motion<double, E> motion_;
   const Mechanism<double, E> mechanism_;
-  Advance<double, E> advance_;
+  Advance<E> advance_;
   Instant<double, E> end_;
   std::optional<double> lift_off_;
   LeastLoads least_;

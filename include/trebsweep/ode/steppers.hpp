@@ -7,10 +7,10 @@
 
 namespace trebsweep {
 
-/// Calls f.operator()<Stepper>() with the class template Stepper<T, E> of that name. Throws
-/// std::logic_error if it is unknown.
+/// Calls f.operator()<Stepper>() with the class template Stepper<T, E> of that name, which
+/// integrates one design at a time. Throws std::logic_error if it is not such a stepper.
 template <class F>
-auto with_stepper(std::string_view name, F&& f) {
+auto with_single_stepper(std::string_view name, F&& f) {
   switch (info_of_stepper(name).id) {
     case StepperId::adams_bashforth_moulton:
       return f.template operator()<AdamsBashforthMoulton>();
@@ -19,7 +19,7 @@ auto with_stepper(std::string_view name, F&& f) {
     case StepperId::rosenbrock4:
       return f.template operator()<Rosenbrock4>();
     default:
-      return with_pack_stepper(name, f);
+      throw std::logic_error(std::string(name) + " does not integrate one design at a time");
   }
 }
 

@@ -7,7 +7,7 @@
 
 #include "trebsweep/ode/any_stepper.hpp"
 #include "trebsweep/swing/batch.hpp"
-#include "trebsweep/swing/kernel.hpp"
+#include "trebsweep/swing/plain_instant.hpp"
 #include "trebsweep/swing/swings.hpp"
 
 namespace trebsweep {
@@ -81,7 +81,7 @@ class SwingReporter {
 
   template <class T, Effects E>
   void operator()(const Instant<T, E>& from, const Instant<T, E>& to) const {
-    observed_->step(plain(from), plain(to));
+    observed_->step(to_plain(from), to_plain(to));
   }
 
   template <Effects E>
@@ -89,22 +89,10 @@ class SwingReporter {
     if (!observed_) return;
     observed_->t = outcome.t;
     observed_->speed = outcome.speed;
-    observed_->x = plain(outcome.x);
+    std::ranges::copy(outcome.x, observed_->x.begin());
   }
 
  private:
-  template <class T, std::size_t n>
-  static std::array<double, 6> plain(const std::array<T, n>& numbers) {
-    std::array<double, 6> values{};
-    for (std::size_t i = 0; i < n; ++i) values[i] = get_lane(numbers[i], 0);
-    return values;
-  }
-
-  template <class T, Effects E>
-  static PlainInstant plain(const Instant<T, E>& at) {
-    return {get_lane(at.t, 0), plain(at.x), plain(at.directions), plain(at.dxdt)};
-  }
-
   ObservedSwing* observed_;
 };
 
@@ -117,6 +105,23 @@ Work integrate_packs_with(const PackSteppers<adaptive>& steppers, const Scene& s
     auto stepper = std::get<PackStepper<adaptive, E>>(steppers.by_effects);
     return integrate_by<PackFor<adaptive>, E>(stepper, scene, solver, batch,
                                               SwingReporter(observed));
+  });
+}
+
+/// advance_pack() with one of such steppers.
+template <bool adaptive>
+PlainInstant advance_pack_with(const PackSteppers<adaptive>& steppers, const Scene& scene,
+                               const Design<double>& design, bool sliding, const PlainInstant& from,
+                               double h) {
+  return with_effects(scene, [&]<Effects E>() {
+    using T = PackFor<adaptive>;
+    auto stepper = std::get<PackStepper<adaptive, E>>(steppers.by_effects);
+    Motion<T, E> motion(scene, {T(design.r1), T(design.r3), T(design.r2)});
+    motion.set_sliding(T(sliding ? 1 : 0));
+    Instant<T, E> to;
+    State<T, E> error;
+    stepper.step(motion, to_instant<T, E>(from), T(h), to, error);
+    return to_plain(to);
   });
 }
 

@@ -41,4 +41,10 @@ struct ObservedSwing {
 Work integrate_packs(const Scene& scene, const Solver& solver, const Batch& batch,
                      ObservedSwing* observed = nullptr);
 
+/// The instant one step of length h (s) after `from`, by the stepper for packs of that name.
+/// `sliding`: whether the projectile is in the trough.
+PlainInstant advance_pack(const Scene& scene, const Design<double>& design,
+                          std::string_view stepper, bool sliding, const PlainInstant& from,
+                          double h);
+
 }  // namespace trebsweep

@@ -40,4 +40,14 @@ extern template Work integrate_packs_with(const PackSteppers<false>&, const Scen
       });
 }
 
+[[gnu::visibility("default")]] PlainInstant advance_pack(const Scene& scene,
+                                                         const Design<double>& design,
+                                                         std::string_view stepper, bool sliding,
+                                                         const PlainInstant& from, double h) {
+  return with_pack_stepper(
+      stepper, [&]<template <class, Effects = Effects{}> class Stepper>() {
+        return advance_pack_with(pack_steppers<Stepper>(), scene, design, sliding, from, h);
+      });
+}
+
 }  // namespace trebsweep
