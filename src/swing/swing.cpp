@@ -36,8 +36,10 @@ Outcome<double, E> swing_alone(const Scene& scene, const Design<double>& design,
                                const Solver& solver, const Observer<E>& observe,
                                std::span<const Field> fields, std::span<double> values) {
   return with_single_stepper(solver.stepper, [&]<template <class, Effects> class Stepper>() {
-    return swing_by<double, E>(make_stepper<Stepper<double, E>>(solver), scene, design, solver,
-                               observe, fields, values);
+    auto&& stepper = make_stepper<Stepper<double, E>>(solver);
+    auto outcome = swing_by<double, E>(stepper, scene, design, solver, observe, fields, values);
+    outcome.evaluations = stepper.evaluations();
+    return outcome;
   });
 }
 

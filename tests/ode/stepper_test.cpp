@@ -53,6 +53,31 @@ double observed_order(int steps) {
                                        distance(integrate<S, Quad>(2 * steps), truth))));
 }
 
+/// Evaluations of the right-hand side in a step after the first one, which has the rates at its
+/// start from the last step.
+template <class Stepper>
+unsigned evaluations_of_step() {
+  using X = typename Stepper::state_type;
+  Stepper stepper;
+  unsigned calls = 0;
+  const auto system = [&](const X& x, X& dxdt, double) {
+    dxdt = x;
+    ++calls;
+  };
+  X x{}, dxdt{}, end{}, end_rates{}, error{};
+  if constexpr (std::is_same_v<typename Stepper::stepper_category,
+                               odeint::explicit_error_stepper_fsal_tag>) {
+    stepper.do_step(system, x, dxdt, 0.0, end, end_rates, 0.1, error);
+    return calls;
+  } else {
+    if constexpr (is_adaptive<Stepper>)
+      stepper.do_step(system, x, dxdt, 0.0, end, 0.1, error);
+    else
+      stepper.do_step(system, x, dxdt, 0.0, end, 0.1);
+    return calls + 1;  // at the end
+  }
+}
+
 }  // namespace
 
 TEST_CASE("Each stepper converges at its order") {
@@ -119,6 +144,8 @@ TEST_CASE("The registry describes the steppers") {
       CHECK(info.follows_tolerance == is_adaptive<Stepper<double>>);
       CHECK((info.order == 0) == is_own_controller<Stepper<double>>);
       if (info.order > 0) CHECK(info.order == stepper.order());
+      if constexpr (!HasStep<Stepper<double>, double, Effects{}>)
+        CHECK(info.stages == evaluations_of_step<Stepper<double>>());
     };
     info.for_packs ? with_pack_stepper(info.name, check) : with_single_stepper(info.name, check);
   }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "trebsweep/ode/stepper.hpp"
 
 namespace trebsweep {
@@ -17,7 +15,6 @@ class AnyStepper {
 
   int order() const { return order_; }
   int error_order() const { return error_order_; }
-  std::uint64_t evaluations(std::uint64_t steps) const { return evaluations_ * steps; }
 
   /// See advance().
   void step(const Motion<T, E>& motion, const Instant<T, E>& from, const T& h, Instant<T, E>& to,
@@ -29,13 +26,12 @@ class AnyStepper {
   template <class Stepper>
   static AnyStepper of() {
     static_assert(is_adaptive<Stepper> == adaptive);
-    const Stepper stepper;
     AnyStepper any;
     if constexpr (adaptive) {
+      const Stepper stepper;
       any.order_ = stepper.order();
       any.error_order_ = stepper.error_order();
     }
-    any.evaluations_ = trebsweep::evaluations(stepper, 1);
     any.step_ = [](const Motion<T, E>& motion, const Instant<T, E>& from, const T& h,
                    Instant<T, E>& to, State<T, E>& error) {
       Stepper method;
@@ -46,7 +42,6 @@ class AnyStepper {
 
  private:
   int order_ = 0, error_order_ = 0;
-  std::uint64_t evaluations_ = 0;  // per step
   void (*step_)(const Motion<T, E>&, const Instant<T, E>&, const T&, Instant<T, E>&,
                 State<T, E>&) = nullptr;
 };

@@ -93,17 +93,6 @@ Stepper make_stepper(const Solver& solver) {
     return Stepper();
 }
 
-/// Evaluations of the right-hand side in `steps` steps, accepted and rejected.
-template <class Stepper>
-std::uint64_t evaluations(const Stepper& stepper, std::uint64_t steps) {
-  if constexpr (requires { stepper.evaluations(steps); }) return stepper.evaluations(steps);
-  if constexpr (requires { stepper.evaluations(); }) return stepper.evaluations();
-  if constexpr (requires { Stepper::stage_count; }) return steps * Stepper::stage_count;
-  if constexpr (requires { stepper.steps(); }) return steps * (stepper.steps() + 1u);  // midpoint
-  // Euler's method has one stage. The last of dopri5's seven is the first of the next step.
-  return steps * (is_adaptive<Stepper> ? 6 : 1);
-}
-
 /// Sets the rates of the sines and cosines in an extended state y, from the rates of its angles.
 template <Effects E, class T>
 void set_direction_rates(const ExtendedState<T, E>& y, ExtendedState<T, E>& rates) {

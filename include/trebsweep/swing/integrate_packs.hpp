@@ -35,7 +35,7 @@ Work integrate_by(Stepper& stepper, const Scene& scene, const Solver& solver, co
   Swings<Stepper, T, E, decltype(next), decltype(done), Observe> swings(
       scene, solver, stepper, fields, values, next, done, observe);
   const std::uint64_t lane_steps = swings.run();
-  return {lane_steps, evaluations(stepper, steps)};
+  return {lane_steps, info_of_stepper(solver.stepper).stages * steps};
 }
 
 /// The packs of adaptive and of fixed-step steppers. Several registers hide the latencies of a
@@ -65,8 +65,7 @@ struct PackSteppers<adaptive, std::index_sequence<I...>> {
 template <template <class, Effects> class Stepper>
 inline constexpr bool is_adaptive_for_packs = is_adaptive<Stepper<Pack<1>, Effects{}>>;
 
-/// Those of a method. Instantiated in src/swing/kernel/, in one source per method, so that they
-/// compile in parallel.
+/// Those of a method.
 template <template <class, Effects> class Stepper>
 PackSteppers<is_adaptive_for_packs<Stepper>> pack_steppers() {
   return PackSteppers<is_adaptive_for_packs<Stepper>>::template of<Stepper>();

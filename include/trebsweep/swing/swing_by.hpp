@@ -24,7 +24,6 @@ Outcome<typename Lanes<T>::Number, E> swing_by(Stepper&& stepper, const Scene& s
   Swings<std::remove_reference_t<Stepper>, T, E, decltype(next), decltype(done), Observe&> swings(
       scene, solver, stepper, fields, values, next, done, observe);
   swings.run();
-  outcome.evaluations = evaluations(stepper, outcome.steps);
   return outcome;
 }
 

@@ -5,15 +5,6 @@
 
 namespace trebsweep {
 
-// Defined in the source of each stepper.
-extern template PackSteppers<true> pack_steppers<CashKarp54>();
-extern template PackSteppers<true> pack_steppers<Dopri5>();
-extern template PackSteppers<false> pack_steppers<Euler>();
-extern template PackSteppers<true> pack_steppers<Fehlberg78>();
-extern template PackSteppers<false> pack_steppers<ModifiedMidpoint>();
-extern template PackSteppers<false> pack_steppers<RungeKutta4>();
-extern template PackSteppers<true> pack_steppers<Vern7>();
-extern template PackSteppers<true> pack_steppers<Vern8>();
 // Defined in adaptive.cpp and fixed.cpp.
 extern template Work integrate_packs_with(const PackSteppers<true>&, const Scene&, const Solver&,
                                           const Batch&, ObservedSwing*);

@@ -1,7 +1,0 @@
-#include "trebsweep/swing/integrate_packs.hpp"
-
-namespace trebsweep {
-
-template PackSteppers<true> pack_steppers<CashKarp54>();
-
-}  // namespace trebsweep

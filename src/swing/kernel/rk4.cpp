@@ -1,7 +1,0 @@
-#include "trebsweep/swing/integrate_packs.hpp"
-
-namespace trebsweep {
-
-template PackSteppers<false> pack_steppers<RungeKutta4>();
-
-}  // namespace trebsweep
