@@ -25,10 +25,6 @@ struct Merit {
   double objective, violation;
 };
 
-bool is_better(const Merit& a, const Merit& b) {
-  return is_better(Point{{}, a.objective, a.violation}, Point{{}, b.objective, b.violation});
-}
-
 /// Computes values of designs on all ranks and reports the progress.
 class RankedValues {
  public:
@@ -118,8 +114,6 @@ bool is_about_release_time(const Job& job) {
   return job.optimum.objective == Field::release_time ||
          std::ranges::count(job.optimum.constraints, Field::release_time, &Constraint::field) > 0;
 }
-
-bool is_feasible(const Merit& merit) { return merit.violation <= feasibility_tolerance; }
 
 /// The violations of designs, each relative to the scale_of() the constraint; NaN without a
 /// release.

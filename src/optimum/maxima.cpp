@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "trebsweep/base/mpi.hpp"
@@ -27,7 +28,7 @@ std::vector<Found> search_from(const std::vector<Design<double>>& starts, const 
 
 /// Orders feasible ends of searches, best first, and removes the others.
 void sort_feasible(std::vector<Found>& found) {
-  std::erase_if(found, [](const Found& f) { return f.violation > feasibility_tolerance; });
+  std::erase_if(found, std::not_fn(is_feasible<Found>));
   std::ranges::stable_sort(found, std::greater{}, &Found::objective);
 }
 

@@ -32,7 +32,11 @@ struct Point {
 /// Constraints count as satisfied up to this, which is above rounding errors.
 inline constexpr double feasibility_tolerance = 1e-10;
 
-inline bool is_feasible(const Point& point) { return point.violation <= feasibility_tolerance; }
+/// Whether a Point, or another struct with its last two members, satisfies the constraints.
+template <class P>
+bool is_feasible(const P& point) {
+  return point.violation <= feasibility_tolerance;
+}
 
 /// The point whose functions have these values.
 inline Point point_of(const NonlinearProgram& program, const Eigen::VectorXd& x,
@@ -44,7 +48,8 @@ inline Point point_of(const NonlinearProgram& program, const Eigen::VectorXd& x,
 }
 
 /// Whether a is better than b: feasible rather than not, then by objective or by violation.
-inline bool is_better(const Point& a, const Point& b) {
+template <class P>
+bool is_better(const P& a, const P& b) {
   if (is_feasible(a) != is_feasible(b)) return is_feasible(a);
   return is_feasible(a) ? a.objective > b.objective : a.violation < b.violation;
 }
