@@ -8,7 +8,6 @@ packages=(cmake g++ libboost-dev libboost-program-options-dev libeigen3-dev libf
           libnlopt-cxx-dev libopenmpi-dev libxxhash-dev ninja-build nlohmann-json3-dev openmpi-bin python3-h5py
           python3-matplotlib python3-numpy)
 options=(-DTREBSWEEP_TESTS=OFF) # other cached options are kept, which avoids a rebuild
-[[ -e build/release/CMakeCache.txt ]] || options+=(-DTREBSWEEP_INSTRUCTION_SETS=native)
 if [[ ${1:-} == --tests ]]; then
   options=(-DTREBSWEEP_TESTS=ON -DTREBSWEEP_WERROR=ON -DTREBSWEEP_INSTRUCTION_SETS=all)
   packages+=(catch2 libgsl-dev libsundials-dev python3-h5netcdf python3-netcdf4 python3-xarray)
