@@ -125,7 +125,7 @@ Study::Study(const Job& job) : job_(job) {
   std::map<decltype(lattice_key(job.scene)), std::uint32_t> found;
   for (std::uint64_t scene = 0; scene < scenes; ++scene) {
     const auto number = static_cast<std::uint32_t>(own_.size());
-    const auto [place, is_new] = found.emplace(lattice_key(scene_at(job, scene)), number);
+    const auto [place, is_new] = found.try_emplace(lattice_key(scene_at(job, scene)), number);
     if (is_new)
       name_scene_in_errors(job, scene,
                            [&] { own_.emplace_back(scene_at(job, scene), job.lattice); });
