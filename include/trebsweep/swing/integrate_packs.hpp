@@ -88,7 +88,7 @@ class SwingReporter {
     if (!observed_) return;
     observed_->t = outcome.t;
     observed_->speed = outcome.speed;
-    std::ranges::copy(outcome.x, observed_->x.begin());
+    std::copy(outcome.x.begin(), outcome.x.end(), observed_->x.begin());
   }
 
  private:

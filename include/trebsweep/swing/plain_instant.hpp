@@ -11,10 +11,12 @@ namespace trebsweep {
 template <class T, Effects E>
 PlainInstant to_plain(const Instant<T, E>& at) {
   PlainInstant plain{get_lane(at.t, 0), {}, {}, {}};
-  const auto first_lane_of = [](const T& numbers) { return get_lane(numbers, 0); };
-  std::ranges::transform(at.x, plain.x.begin(), first_lane_of);
-  std::ranges::transform(at.directions, plain.directions.begin(), first_lane_of);
-  std::ranges::transform(at.dxdt, plain.dxdt.begin(), first_lane_of);
+  const auto copy = [](const auto& from, auto& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) to[i] = get_lane(from[i], 0);
+  };
+  copy(at.x, plain.x);
+  copy(at.directions, plain.directions);
+  copy(at.dxdt, plain.dxdt);
   return plain;
 }
 
