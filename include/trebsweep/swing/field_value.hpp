@@ -65,25 +65,18 @@ T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T,
       // The polynomial through samples of an elastic sling's tension may fall below zero.
       return E.elastic ? select(record.least_tension > T(0), record.least_tension, T(0))
                        : record.least_tension;
-    case Field::peak_sling_tension:
-      return record.peak_tension;
-    case Field::peak_axle_load:
-      return record.peak_axle_load;
-    case Field::peak_beam_stress:
-      return record.peak_stress;
-    case Field::peak_hanger_tension:
-      return record.peak_hanger_tension;
-    case Field::least_hanger_tension:
-      return record.least_hanger_tension;
     case Field::ground_clearance:
       return smaller(smaller(record.tip_clearance, record.counterweight_clearance),
                      projectile_clearance());
-    case Field::tip_clearance:
-      return record.tip_clearance;
-    case Field::counterweight_clearance:
-      return record.counterweight_clearance;
     case Field::projectile_clearance:
       return projectile_clearance();
+    case Field::peak_sling_tension:
+    case Field::peak_axle_load:
+    case Field::peak_beam_stress:
+    case Field::peak_hanger_tension:
+    case Field::least_hanger_tension:
+    case Field::tip_clearance:
+    case Field::counterweight_clearance:
     case Field::speed:
     case Field::release_time:
     case Field::status:
@@ -93,6 +86,8 @@ T value_at_release(Field field, const Mechanism<T, E>& mechanism, const State<T,
     case Field::decay_rate:
       break;
   }
+  for (const LoadExtreme<T>& load : load_extremes<T>)
+    if (load.field == field) return record.*load.extreme;
   return T(std::numeric_limits<double>::quiet_NaN());
 }
 

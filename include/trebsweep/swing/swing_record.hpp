@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -32,35 +33,54 @@ struct SwingRecord {
   T lift_off_time = 0;  ///< s, of a swing that begins in a trough
 };
 
+/// An extreme of a load along the swing: the value of a field, or what others follow from.
+template <class T>
+struct LoadExtreme {
+  enum class Kind { smallest, largest, largest_magnitude };
+
+  Field field;
+  T SwingRecord<T>::*extreme;
+  T Loads<T>::*load;
+  Kind kind;
+
+  bool serves(Field other) const {
+    return other == field || (other == Field::slack && field == Field::least_sling_tension) ||
+           (other == Field::ground_clearance &&
+            (field == Field::tip_clearance || field == Field::counterweight_clearance ||
+             field == Field::projectile_clearance));
+  }
+};
+
+template <class T, class R = SwingRecord<T>, class L = Loads<T>,
+          class Kind = typename LoadExtreme<T>::Kind>
+inline constexpr std::array<LoadExtreme<T>, 9> load_extremes{{
+    {Field::least_sling_tension, &R::least_tension, &L::projectile_tension, Kind::smallest},
+    {Field::least_hanger_tension, &R::least_hanger_tension, &L::hanger_tension, Kind::smallest},
+    {Field::tip_clearance, &R::tip_clearance, &L::tip_height, Kind::smallest},
+    {Field::counterweight_clearance, &R::counterweight_clearance, &L::counterweight_height,
+     Kind::smallest},
+    {Field::projectile_clearance, &R::projectile_clearance, &L::projectile_height, Kind::smallest},
+    {Field::peak_sling_tension, &R::peak_tension, &L::tip_tension, Kind::largest},
+    {Field::peak_axle_load, &R::peak_axle_load, &L::axle, Kind::largest},
+    {Field::peak_hanger_tension, &R::peak_hanger_tension, &L::hanger_tension, Kind::largest},
+    {Field::peak_beam_stress, &R::peak_stress, &L::beam_stress, Kind::largest_magnitude},
+}};
+
 /// The quantities of a SwingRecord that some fields of a scene need.
 struct RecordRequest {
   RecordRequest(std::span<const Field> fields, const Scene& scene) {
     for (const Field field : fields) {
-      least_tension |= field == Field::slack || field == Field::least_sling_tension;
-      peak_tension |= field == Field::peak_sling_tension;
-      peak_axle_load |= field == Field::peak_axle_load;
-      peak_stress |= field == Field::peak_beam_stress;
-      peak_hanger_tension |= field == Field::peak_hanger_tension;
-      least_hanger_tension |= field == Field::least_hanger_tension;
-      const bool all = field == Field::ground_clearance;
-      tip_clearance |= all || field == Field::tip_clearance;
-      counterweight_clearance |= all || field == Field::counterweight_clearance;
-      projectile_clearance |= all || field == Field::projectile_clearance;
+      for (std::size_t i = 0; i < extremes.size(); ++i)
+        if (load_extremes<double>[i].serves(field)) extremes.set(i);
       lift_off |= field == Field::lift_off_time;
       loss |= field == Field::energy_drift && is_dissipative(scene);
     }
   }
-  bool loads() const {
-    return least_tension || peak_tension || peak_axle_load || peak_stress || peak_hanger_tension ||
-           least_hanger_tension || tip_clearance || counterweight_clearance || projectile_clearance;
-  }
   /// Whether the record grows with each step.
-  bool steps() const { return loads() || loss; }
+  bool steps() const { return extremes.any() || loss; }
   bool any() const { return steps() || lift_off; }
 
-  bool least_tension = false, peak_tension = false, peak_axle_load = false, peak_stress = false;
-  bool peak_hanger_tension = false, least_hanger_tension = false;
-  bool tip_clearance = false, counterweight_clearance = false, projectile_clearance = false;
+  std::bitset<load_extremes<double>.size()> extremes;
   bool loss = false, lift_off = false;
 };
 
@@ -87,6 +107,15 @@ T mean_lost_power(Stepper& stepper, const Motion<T, E>& motion, const Mechanism<
 template <class T>
 using LoadsWithin = std::function<Loads<T>(const T&)>;
 
+/// The value with the largest magnitude.
+template <class T, std::size_t N>
+T largest_of(const std::array<T, N>& values) {
+  using std::abs;
+  T largest = values[0];
+  for (const T& value : values) largest = select(abs(largest) < abs(value), value, largest);
+  return largest;
+}
+
 /// A record extended by the extremes of the polynomials through samples of the loads. If `within`
 /// is not empty, it gives the loads where the polynomials have their peaks: the error of an extreme
 /// is then of the order of the square of the error of its place.
@@ -94,43 +123,26 @@ template <class T>
 [[gnu::noinline]] SwingRecord<T> with_extremes(SwingRecord<T> record, const RecordRequest& request,
                                                const LoadSamples<T>& samples,
                                                const LoadsWithin<T>& within) {
-  using std::abs;
-  const auto extend = [&](T& extreme, auto load) {
+  for (std::size_t i = 0; i < load_extremes<T>.size(); ++i) {
+    if (!request.extremes[i]) continue;
+    const auto& [field, extreme, load, kind] = load_extremes<T>[i];
+    using Kind = typename LoadExtreme<T>::Kind;
     std::array<T, load_nodes.size()> values;
-    std::transform(samples.begin(), samples.end(), values.begin(), load);
+    std::transform(samples.begin(), samples.end(), values.begin(),
+                   [&](const Loads<T>& at) { return at.*load; });
+    // The sign that makes the extreme a maximum; of a magnitude, that of the largest sample.
+    T sign = kind == Kind::smallest ? -1 : 1;
+    if (kind == Kind::largest_magnitude) sign = select(largest_of(values) < T(0), T(-1), T(1));
+    for (T& value : values) value = sign * value;
+    const T before = kind == Kind::smallest ? T(-(record.*extreme)) : record.*extreme;
     auto [value, at] = peak(load_nodes, values);
     if (within) {
-      const auto inside = (at > T(0)) & (at < T(1)) & (value > extreme);
-      if (any(inside)) value = select(inside, T(load(within(select(inside, at, T(0.5))))), value);
+      const auto inside = (at > T(0)) & (at < T(1)) & (value > before);
+      if (any(inside))
+        value = select(inside, T(sign * within(select(inside, at, T(0.5))).*load), value);
     }
-    extreme = larger(extreme, value);
-  };
-  const auto extend_least = [&](T& extreme, T Loads<T>::*load) {
-    T negative = -extreme;
-    extend(negative, [&](const Loads<T>& l) { return T(-(l.*load)); });
-    extreme = -negative;
-  };
-  if (request.least_tension) extend_least(record.least_tension, &Loads<T>::projectile_tension);
-  if (request.least_hanger_tension)
-    extend_least(record.least_hanger_tension, &Loads<T>::hanger_tension);
-  if (request.tip_clearance) extend_least(record.tip_clearance, &Loads<T>::tip_height);
-  if (request.counterweight_clearance)
-    extend_least(record.counterweight_clearance, &Loads<T>::counterweight_height);
-  if (request.projectile_clearance)
-    extend_least(record.projectile_clearance, &Loads<T>::projectile_height);
-  if (request.peak_tension)
-    extend(record.peak_tension, [](const Loads<T>& l) { return l.tip_tension; });
-  if (request.peak_axle_load)
-    extend(record.peak_axle_load, [](const Loads<T>& l) { return l.axle; });
-  if (request.peak_hanger_tension)
-    extend(record.peak_hanger_tension, [](const Loads<T>& l) { return l.hanger_tension; });
-  if (request.peak_stress) {
-    // The larger of the peaks of bending to either side.
-    T stress = samples[0].beam_stress;
-    for (const Loads<T>& l : samples)
-      stress = select(abs(stress) < abs(l.beam_stress), l.beam_stress, stress);
-    const T side = select(stress < T(0), T(-1), T(1));
-    extend(record.peak_stress, [&](const Loads<T>& l) { return T(side * l.beam_stress); });
+    const T after = larger(before, value);
+    record.*extreme = kind == Kind::smallest ? T(-after) : after;
   }
   return record;
 }
@@ -201,7 +213,7 @@ SwingRecord<T> record_step(SwingRecord<T> record, const RecordRequest& request, 
                            const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
                            const Instant<T, E>& to, const T& h) {
   if (request.loss) record.loss += h * mean_lost_power(stepper, motion, mechanism, from, to, h);
-  if (request.loads())
+  if (request.extremes.any())
     record = record_loads(record, request, stepper, tolerance, motion, mechanism, from, to, h);
   return record;
 }
