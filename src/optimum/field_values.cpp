@@ -15,11 +15,12 @@ Eigen::MatrixXd field_values(const Scene& scene, const Solver& solver, Accuracy 
                          static_cast<Eigen::Index>(designs.size()));
   std::vector<SwingResult> swings(designs.size());
   const Batch batch{designs, swings, fields, {values.data(), fields.size() * designs.size()}};
+  const Solver coarse = coarse_solver(solver);  // of vern8
   if (accuracy == Accuracy::coarse)
-    integrate(scene, coarse_solver(solver), batch);
-  else  // by vern8, unless that is the stepper to be checked
+    integrate(scene, coarse, batch);
+  else
     integrate_accurately(
-        scene, solver_of(accuracy == Accuracy::check ? "vern8" : "dopri5", 1e-13, solver), batch);
+        scene, accuracy == Accuracy::check ? checking_solver(scene, coarse) : coarse, batch);
   return values;
 }
 

@@ -49,7 +49,7 @@ std::vector<Check> check(const Job& job, std::span<const Design<double>> designs
   std::vector<SwingResult> results(designs.size()), accurate(designs.size());
   std::vector<double> efficiencies(designs.size());
   integrate(job.scene, job.solver, {designs, results, fields, efficiencies});
-  integrate_accurately(job.scene, job.solver, {designs, accurate});
+  integrate_accurately(job.scene, checking_solver(job.scene, job.solver), {designs, accurate});
   std::vector<Check> checks;
   for (std::size_t i = 0; i < designs.size(); ++i)
     checks.push_back({designs[i], results[i], accurate[i], efficiencies[i], nan, nan});

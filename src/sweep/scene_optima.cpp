@@ -8,12 +8,12 @@
 namespace trebsweep {
 namespace {
 
-/// The objective of a design, integrated accurately.
+/// The objective of a design, by another stepper than the job's.
 double accurate_value(const Job& job, const Design<double>& design) {
   const Field objective = job.optimum.objective;
   SwingResult result;
   double value;
-  integrate_accurately(job.scene, job.solver,
+  integrate_accurately(job.scene, checking_solver(job.scene, job.solver),
                        {{&design, 1}, {&result, 1}, {&objective, 1}, {&value, 1}});
   return value;
 }
@@ -24,7 +24,7 @@ BuildValues build_values(const Job& job, const Design<double>& design) {
   std::array<double, build_fields.size()> values;
   const Batch batch{{&design, 1}, {&result, 1}, build_fields, values};
   if (job.optimum.refine)
-    integrate_accurately(job.scene, job.solver, batch);
+    integrate_accurately(job.scene, solver_of("vern8", 1e-13, job.solver), batch);
   else
     integrate(job.scene, job.solver, batch);
   return to_build_values(values);

@@ -14,7 +14,7 @@ inline std::vector<double> accurate_values(const Job& job, Field field,
                                            std::span<const Design<double>> designs) {
   std::vector<SwingResult> swings(designs.size());
   std::vector<double> values(designs.size());
-  const Solver solver = solver_of("vern8", 1e-13, job.solver);  // so that it is not vern8
+  const Solver solver = checking_solver(job.scene, solver_of("vern8", 1e-13, job.solver));
   integrate_accurately(job.scene, solver, {designs, swings, {&field, 1}, values});
   return values;
 }

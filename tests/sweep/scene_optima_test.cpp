@@ -59,7 +59,8 @@ TEST_CASE("The optimum of a scene is the best design of its lattice, by the job'
   CHECK(optimum.design == coarse);
   CHECK(optimum.build.least_sling_tension == least_tension(by_the_solver, job, coarse));
   SwingResult accurate{};
-  integrate_accurately(job.scene, job.solver, {{&coarse, 1}, {&accurate, 1}});
+  integrate_accurately(job.scene, checking_solver(job.scene, job.solver),
+                       {{&coarse, 1}, {&accurate, 1}});
   CHECK(optimum.error == std::abs(15 - accurate.speed));
   job.solver.check = false;
   optimum = scene_optimum(job, best, {});
@@ -104,7 +105,8 @@ TEST_CASE("The optima of a study are each integrated in its own scene") {
     CHECK(optimum.build.counterweight_clearance ==
           Approx(own.scene.fulcrum_height - 0.8).margin(1e-6));
     SwingResult accurate{};
-    integrate_accurately(own.scene, own.solver, {{&optimum.design, 1}, {&accurate, 1}});
+    integrate_accurately(own.scene, checking_solver(own.scene, own.solver),
+                         {{&optimum.design, 1}, {&accurate, 1}});
     CHECK(optimum.error == std::abs(optimum.speed - accurate.speed));
     CHECK(optimum.error < 1e-4);
   }

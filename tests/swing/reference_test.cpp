@@ -36,13 +36,13 @@ double speed_by(const std::string& stepper, const Scene& scene, const Design<dou
   return result.speed;
 }
 
-/// The accurate speed for a job that uses a stepper.
+/// The speed by which a job that uses a stepper is checked.
 double accurate_speed(const std::string& stepper, const Scene& scene,
                       const Design<double>& design) {
   Solver solver;
   solver.stepper = stepper;
   SwingResult result;
-  integrate_accurately(scene, solver, {{&design, 1}, {&result, 1}});
+  integrate_accurately(scene, checking_solver(scene, solver), {{&design, 1}, {&result, 1}});
   return result.speed;
 }
 
@@ -118,7 +118,7 @@ std::vector<std::vector<double>> accurate_values(const Scene& scene, const Solve
   const auto fields = quantities();
   std::vector<SwingResult> results(designs.size());
   std::vector<double> values(designs.size() * fields.size());
-  integrate_accurately(scene, solver, {designs, results, fields, values});
+  integrate_accurately(scene, checking_solver(scene, solver), {designs, results, fields, values});
   std::vector<std::vector<double>> of_field(fields.size());
   for (std::size_t f = 0; f < fields.size(); ++f)
     for (std::size_t n = 0; n < designs.size(); ++n) {
