@@ -63,9 +63,9 @@ End end_of(const DesignProblem& problem, const std::vector<Limit>& all,
     std::vector<Design<double>> designs;
     const double part = (high - low) / parts;
     for (int i = 1; i < parts; ++i) {
-      std::array<double, 3> r = lengths(design);
-      r[length] += sign * (low + part * i);
-      designs.push_back({r[0], r[1], r[2]});
+      std::array<double, 3> by{};
+      by[length] = sign * (low + part * i);
+      designs.push_back(moved(design, by));
     }
     integrated += designs.size();
     const Eigen::MatrixXd values = values_at(problem, designs);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "trebsweep/optimum/field_values.hpp"
@@ -16,18 +15,24 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// The tension of an elastic sling that counts as taut, relative to the projectile's weight. A
+/// slack one has none; searches take a limit of zero for satisfied.
+constexpr double smallest_tension = 1e-6;
+
+double weight(const Scene& scene) { return scene.projectile_mass * scene.gravity; }
+
 /// An order of magnitude: |value|, or 1 if that is 0 or NaN.
 double magnitude(double value) { return std::abs(value) > 0 ? std::abs(value) : 1; }
 
 }  // namespace
 
 double scale_of(const Constraint& constraint, const Scene& scene, double value) {
-  if (std::abs(constraint.limit) > std::numeric_limits<double>::min())
-    return std::abs(constraint.limit);
   const std::string_view units = info(constraint.field).units;
-  if (units == "m") return scene.fulcrum_height;
-  if (units == "N") return std::max(std::abs(value), scene.projectile_mass * scene.gravity);
-  return magnitude(value);
+  const double size = units == "m"   ? scene.fulcrum_height
+                      : units == "N" ? std::max(std::abs(value), weight(scene))
+                                     : magnitude(value);
+  const double limit = std::abs(constraint.limit);
+  return limit > 2 * smallest_tension * size ? limit : size;
 }
 
 bool has_sum(const DesignProblem& problem) {
@@ -38,11 +43,11 @@ bool has_sum(const DesignProblem& problem) {
 std::vector<Constraint> constraints_of(const Job& job) {
   std::vector<Constraint> constraints = job.optimum.constraints;
   if (job.output.optimum_filter == OptimumFilter::taut) {
-    // The tension of an elastic sling is never negative. A slack sling has zero tension.
+    // The tension of an elastic sling is never negative.
     const bool elastic = job.scene.sling_stiffness > 0;
     constraints.push_back({.field = Field::least_sling_tension,
                            .is_upper = false,
-                           .limit = elastic ? std::numeric_limits<double>::min() : 0});
+                           .limit = elastic ? smallest_tension * weight(job.scene) : 0});
   }
   return constraints;
 }
@@ -116,7 +121,7 @@ Design<double> to_design(const DesignProblem& problem, const VectorXd& variables
     const std::size_t d = problem.variables[static_cast<std::size_t>(i)];
     r[d] = variables(i) * length_scale(problem, d);
   }
-  return {r[0], r[1], r[2]};
+  return to_design(r);
 }
 
 MatrixXd values_at(const DesignProblem& problem, std::span<const Design<double>> designs) {
@@ -143,9 +148,8 @@ NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Devi
   const auto functions = [=, &integrated](const MatrixXd& points) {
     std::vector<Design<double>> designs;
     for (Index p = 0; p < points.cols(); ++p) {
-      const auto [r1, r3, r2] = to_design(problem, points.col(p));
-      for (const auto& [d, weight, is_constrained] : deviations)
-        designs.push_back({r1 + d[0], r3 + d[1], r2 + d[2]});
+      const Design<double> design = to_design(problem, points.col(p));
+      for (const Deviation& d : deviations) designs.push_back(moved(design, d.lengths));
     }
     integrated += designs.size();
     const MatrixXd values = values_at(problem, designs);
@@ -164,20 +168,17 @@ NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Devi
         ++column;
       }
       if (has_sum(problem)) {
-        const auto [r1, r3, r2] = to_design(problem, points.col(p));
-        result(row, p) = (r2 + r3) / *problem.space.longest_sum - 1;
+        const Design<double> design = to_design(problem, points.col(p));
+        result(row, p) = (design.r2 + design.r3) / *problem.space.longest_sum - 1;
       }
     }
     return result;
   };
-  const auto bound = [&](const std::array<double, 3>& r) {
-    return to_variables(problem, {r[0], r[1], r[2]});
-  };
   return {functions,
           objectives,
           constraints,
-          bound(problem.space.lower),
-          bound(problem.space.upper),
+          to_variables(problem, to_design(problem.space.lower)),
+          to_variables(problem, to_design(problem.space.upper)),
           static_cast<Index>(deviations.size())};
 }
 

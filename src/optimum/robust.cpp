@@ -15,10 +15,6 @@ using Eigen::VectorXd;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-Design<double> moved(const Design<double>& design, const std::array<double, 3>& by) {
-  return {design.r1 + by[0], design.r3 + by[1], design.r2 + by[2]};
-}
-
 /// The deviation within the box at which a row of values_at() is smallest (sign 1) or largest (-1),
 /// and its value there; NaN at one that has none.
 struct Extreme {

@@ -14,10 +14,6 @@ using Lengths = std::array<double, 3>;
 constexpr double default_deviation = 1e-3;  // relative
 constexpr double jump = 1e-3;               // relative to the value, or a constraint's scale
 
-Design<double> moved(const Design<double>& design, const Lengths& by, double part) {
-  return {design.r1 + part * by[0], design.r3 + part * by[1], design.r2 + part * by[2]};
-}
-
 /// The points of a cube of 3^3 around the origin, without it.
 std::vector<Lengths> directions() {
   std::vector<Lengths> all;
@@ -154,14 +150,14 @@ bool is_safe(const DesignProblem& problem, const Design<double>& design, double 
     for (const double sign : {-1.0, 1.0}) {
       Lengths by{};
       by[d] = sign * default_deviation / 2 * lengths(design)[d];
-      designs.push_back(moved(design, by, 1));
+      designs.push_back(moved(design, by));
     }
   const auto steep = static_cast<Index>(designs.size());
   std::vector<Lengths> lines;
   for (const double part : {0.5, 1.0})
     for (const Lengths& direction : directions())
       lines.push_back(scaled(scaled(direction, reach), {part, part, part}));
-  for (const Lengths& line : lines) designs.push_back(moved(design, line, 1));
+  for (const Lengths& line : lines) designs.push_back(moved(design, line));
   const MatrixXd values = counted_values(problem, designs, integrated);
 
   constexpr double largest_loss = 0.02;

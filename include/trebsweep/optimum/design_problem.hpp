@@ -34,8 +34,8 @@ bool has_sum(const DesignProblem& problem);
 /// sling.
 std::vector<Constraint> constraints_of(const Job& job);
 
-/// The scale of a constraint: its limit or, if that is zero, a height or a weight of the machine,
-/// or the magnitude of a value of its field.
+/// The scale of a constraint: its limit or, if that is zero or far smaller, a height or a weight of
+/// the machine, or the magnitude of a value of its field.
 double scale_of(const Constraint& constraint, const Scene& scene, double value);
 
 /// The conditions that a machine can be built: arm's tip, counterweight and projectile stay above
