@@ -112,8 +112,8 @@ Point search_by_mma(const NonlinearProgram& program, const VectorXd& start) {
   double value = 0;
   try {
     opt.optimize(y, value);
-  } catch (const std::runtime_error&) {
-    // Limited by rounding errors, or failed: the best point is kept all the same.
+  } catch (const nlopt::roundoff_limited&) {
+    // The best point is close enough all the same.
   }
   return problem.best();
 }

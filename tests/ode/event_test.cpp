@@ -20,7 +20,7 @@ struct Step {
   }
 
   Instant<double> release() {
-    return event_between(end_event<double>(Solver{}), stepper, motion, from, to);
+    return event_between(AngleEvent<double>{false, pi}, stepper, motion, from, to);
   }
   Instant<double> turn() {
     const double start = from.x[w1], end = to.x[w1];

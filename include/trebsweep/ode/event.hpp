@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <limits>
 
@@ -32,32 +30,6 @@ struct AngleEvent {
     return of_sling ? T(sling - arm) : arm;
   }
 };
-
-/// phi1 = 3 pi/2, where a swing whose release depends on the sling's angle ends at the latest.
-template <class Number>
-AngleEvent<Number> last_arm_event() {
-  return {false, boost::math::constants::pi<Number>() * Number(1.5)};
-}
-
-/// The event that ends a swing by the rule of release; by the rules farthest and fastest, the end
-/// of the search for the best release.
-template <class Number>
-AngleEvent<Number> end_event(const Solver& solver) {
-  const Number pi = boost::math::constants::pi<Number>();
-  switch (solver.release) {
-    case Release::window:
-      return {false, pi - Number(solver.release_window * (1 + 1e-9))};
-    case Release::pin:
-      return {true, Number(-solver.pin_angle.value())};
-    case Release::farthest:
-    case Release::fastest:
-      return last_arm_event<Number>();
-    case Release::crossing:
-      break;
-  }
-  // The default is pi in every number type.
-  return {false, solver.release_angle == std::numbers::pi ? pi : Number(solver.release_angle)};
-}
 
 /// An estimate of the fraction of the step from `from` to `to` at which the angle has its target:
 /// quintic Hermite interpolation of the time as a function of the angle.

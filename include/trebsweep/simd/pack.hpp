@@ -42,11 +42,12 @@ template <std::size_t R>
 struct Product;
 
 /// A number type with an independent value in every lane of R registers; Motion and the steppers
-/// are templates over it.
+/// are templates over it. The number of lanes of a register is part of the type, so that code for
+/// different instruction sets has different symbols.
 ///
 /// A product followed by an addition or a subtraction is always one fused multiply-add. If the
 /// compiler chose, results could depend on the size of the pack.
-template <std::size_t R>
+template <std::size_t R, std::size_t = register_lanes>
 struct Pack {
   std::array<Register, R> v;
 
@@ -111,7 +112,8 @@ struct Pack {
   [[gnu::always_inline]] friend Mask<R> operator>=(const Pack& a, const Pack& b) { return b <= a; }
 };
 
-/// An unevaluated product a b. It holds references: use it only within one expression.
+/// An unevaluated product a b. It holds references, since copies of packs would make flights through
+/// air half as slow again: use it only within one expression.
 template <std::size_t R>
 struct Product {
   const Pack<R>&a, &b;
