@@ -112,8 +112,8 @@ struct Pack {
   [[gnu::always_inline]] friend Mask<R> operator>=(const Pack& a, const Pack& b) { return b <= a; }
 };
 
-/// An unevaluated product a b. It holds references, since copies of packs would make flights
-/// through air half as slow again: use it only within one expression.
+/// An unevaluated product a b. It holds references, because flights through air take twice as long
+/// if it copies packs: use it only within one expression.
 template <std::size_t R>
 struct Product {
   const Pack<R>&a, &b;

@@ -33,7 +33,8 @@ struct SwingRecord {
   T lift_off_time = 0;  ///< s, of a swing that begins in a trough
 };
 
-/// An extreme of a load along the swing: the value of a field, or what others follow from.
+/// An extreme of a load along the swing, which is the value of a field, except for corrections of
+/// rounding errors.
 template <class T>
 struct LoadExtreme {
   enum class Kind { smallest, largest, largest_magnitude };
@@ -43,6 +44,7 @@ struct LoadExtreme {
   T Loads<T>::*load;
   Kind kind;
 
+  /// Whether a field needs the extreme.
   bool serves(Field other) const {
     return other == field || (other == Field::slack && field == Field::least_sling_tension) ||
            (other == Field::ground_clearance &&
@@ -123,26 +125,27 @@ template <class T>
 [[gnu::noinline]] SwingRecord<T> with_extremes(SwingRecord<T> record, const RecordRequest& request,
                                                const LoadSamples<T>& samples,
                                                const LoadsWithin<T>& within) {
+  using Kind = typename LoadExtreme<T>::Kind;
   for (std::size_t i = 0; i < load_extremes<T>.size(); ++i) {
     if (!request.extremes[i]) continue;
-    const auto& [field, extreme, load, kind] = load_extremes<T>[i];
-    using Kind = typename LoadExtreme<T>::Kind;
+    const LoadExtreme<T>& what = load_extremes<T>[i];
     std::array<T, load_nodes.size()> values;
     std::transform(samples.begin(), samples.end(), values.begin(),
-                   [&](const Loads<T>& at) { return at.*load; });
+                   [&](const Loads<T>& loads) { return loads.*what.load; });
     // The sign that makes the extreme a maximum; of a magnitude, that of the largest sample.
-    T sign = kind == Kind::smallest ? -1 : 1;
-    if (kind == Kind::largest_magnitude) sign = select(largest_of(values) < T(0), T(-1), T(1));
+    T sign = what.kind == Kind::smallest ? -1 : 1;
+    if (what.kind == Kind::largest_magnitude) sign = select(largest_of(values) < T(0), T(-1), T(1));
     for (T& value : values) value = sign * value;
-    const T before = kind == Kind::smallest ? T(-(record.*extreme)) : record.*extreme;
+    T& extreme = record.*what.extreme;
+    const T before = what.kind == Kind::smallest ? T(-extreme) : extreme;
     auto [value, at] = peak(load_nodes, values);
     if (within) {
       const auto inside = (at > T(0)) & (at < T(1)) & (value > before);
       if (any(inside))
-        value = select(inside, T(sign * within(select(inside, at, T(0.5))).*load), value);
+        value = select(inside, T(sign * within(select(inside, at, T(0.5))).*what.load), value);
     }
     const T after = larger(before, value);
-    record.*extreme = kind == Kind::smallest ? T(-after) : after;
+    extreme = what.kind == Kind::smallest ? T(-after) : after;
   }
   return record;
 }
