@@ -92,15 +92,16 @@ Solver checking_solver(const Scene& scene, const Solver& solver) {
 }
 
 void integrate_accurately(const Scene& scene, const Solver& solver, const Batch& batch) {
-  const auto& [designs, results, fields, values] = batch;
+  const std::span designs = batch.designs;
+  const std::span results = batch.results;
   std::vector<std::size_t> left(designs.size());  // to be integrated
   std::iota(left.begin(), left.end(), std::size_t{0});
   for (double tolerance = 1e-13; tolerance < 2e-10 && !left.empty(); tolerance *= 10) {
     std::vector<Design<double>> retried;
     for (const std::size_t i : left) retried.push_back(designs[i]);
     std::vector<SwingResult> found(left.size());
-    std::vector<double> found_values(left.size() * fields.size());
-    const Batch part{retried, found, fields, found_values};
+    std::vector<double> found_values(left.size() * batch.fields.size());
+    const Batch part{retried, found, batch.fields, found_values};
     Solver accurate = solver_of(solver.stepper, tolerance, solver);
     accurate.max_steps = 100'000;
     integrate(scene, accurate, part);

@@ -1,12 +1,14 @@
 #include "trebsweep/ode/event.hpp"
 
+#include <numbers>
+
 #include "support/catch.hpp"
 
 using namespace trebsweep;
 
 namespace {
 
-constexpr double pi = boost::math::double_constants::pi;
+constexpr double pi = std::numbers::pi;
 
 struct Step {
   Motion<double> motion{Scene{}, {0.51, 0.58, 0.91}};
