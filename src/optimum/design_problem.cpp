@@ -31,8 +31,9 @@ double scale_of(const Constraint& constraint, const Scene& scene, double value) 
   const double size = units == "m"   ? scene.fulcrum_height
                       : units == "N" ? std::max(std::abs(value), weight(scene))
                                      : magnitude(value);
+  constexpr double negligible = 2 * smallest_tension;
   const double limit = std::abs(constraint.limit);
-  return limit > 2 * smallest_tension * size ? limit : size;
+  return limit > negligible * size ? limit : size;
 }
 
 bool has_sum(const DesignProblem& problem) {

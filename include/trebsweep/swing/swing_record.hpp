@@ -53,6 +53,7 @@ struct LoadExtreme {
   }
 };
 
+/// The extremes of a SwingRecord. The last three parameters are abbreviations.
 template <class T, class R = SwingRecord<T>, class L = Loads<T>,
           class Kind = typename LoadExtreme<T>::Kind>
 inline constexpr std::array<LoadExtreme<T>, 9> load_extremes{{
