@@ -38,8 +38,7 @@ auto make_stepper() {
 /// Integrates a batch by the job; `steps`, if not null, receives those of a single design.
 template <Effects E>
 void integrate_batch(const Batch& batch, std::vector<Step<E>>* steps) {
-  auto stepper = make_stepper<E>();
-  integrate_by<Number, E>(stepper, scene, solver, batch, Recorder<E>{steps});
+  integrate_by(make_stepper<E>(), scene, solver, batch, Recorder<E>{steps});
 }
 
 }  // namespace trebsweep::explorer

@@ -122,7 +122,7 @@ std::size_t trace_swing(const Batch& batch) {
   Motion<Number, E> motion(scene, design);
   const Mechanism<Number, E> mechanism(scene, design);
   const double lift_off = E.trough ? lift_off_time(motion, steps) : 0;
-  auto stepper = make_stepper<E>();
+  const auto stepper = make_stepper<E>();
   const double end = steps.back().to.t[0];
   const auto count =
       static_cast<std::size_t>(std::clamp(end / 0.0025, 200.0, static_cast<double>(max_rows)));

@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// The deviation within the box at which a row of values_at() is smallest (sign 1) or largest (-1),
 /// and its value there; NaN at one that has none.
@@ -44,7 +44,7 @@ Extreme extreme_in_box(const DesignProblem& problem, const Design<double>& centr
       lattice(d, p) = reach(d) * (2.0 * static_cast<double>(rest % width) / (width - 1) - 1);
   const MatrixXd values = functions(lattice);
   for (Index p = 0; p < values.cols(); ++p)
-    if (std::isnan(values(p))) return {deviation_of(lattice.col(p)), nan};
+    if (std::isnan(values(p))) return {deviation_of(lattice.col(p)), no_value};
   Index start = 0;
   values.row(0).maxCoeff(&start);
   const Point worst = search(program, lattice.col(start)).point;
@@ -109,7 +109,7 @@ Robustness robustness(const DesignProblem& problem, const Design<double>& design
                       std::uint64_t& integrated) {
   const double scale = problem.scales.front();
   const auto [where, worst] = extreme_in_box(problem, design, deviation, 0, 1, integrated);
-  if (std::isnan(worst)) return {nan, nan, moved(design, where)};
+  if (std::isnan(worst)) return {no_value, no_value, moved(design, where)};
   std::vector<Design<double>> designs;
   const std::vector<Deviation> nodes = quadrature(deviation);
   for (const Deviation& node : nodes) designs.push_back(moved(design, node.lengths));

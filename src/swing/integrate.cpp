@@ -6,35 +6,11 @@
 #include <vector>
 
 #include "trebsweep/model/start.hpp"
-#include "trebsweep/swing/kernel.hpp"
+#include "trebsweep/swing/advance.hpp"
 #include "trebsweep/swing/spectrum.hpp"
-#include "trebsweep/swing/swing.hpp"
 
 namespace trebsweep {
 namespace {
-
-/// integrate() for a stepper that integrates one design at a time.
-Work integrate_one_by_one(const Scene& scene, const Solver& solver, const Batch& batch) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  return with_general_effects(scene, [&]<Effects E>() {
-    Work work{};
-    for (std::size_t i = 0; i < batch.designs.size(); ++i) {
-      const auto [designs, results, fields, values] = batch.slice(i, 1);
-      std::ranges::fill(values, nan);
-      const auto outcome = swing<E>(scene, designs[0], solver, {}, fields, values);
-      results[0] = result_of(outcome, values);
-      work.lane_steps += outcome.steps;
-      work.evaluations += outcome.evaluations;
-    }
-    return work;
-  });
-}
-
-/// integrate(), in which fields that are not is_of_swing() stay NaN.
-Work integrate_swings(const Scene& scene, const Solver& solver, const Batch& batch) {
-  return is_for_packs(solver.stepper) ? integrate_packs(scene, solver, batch)
-                                      : integrate_one_by_one(scene, solver, batch);
-}
 
 /// The values of a field that needs an integration of its own; `results` are those of the designs.
 std::vector<double> separate_values(Field field, const Scene& scene, const Solver& solver,
@@ -58,6 +34,19 @@ std::vector<double> separate_values(Field field, const Scene& scene, const Solve
 }
 
 }  // namespace
+
+Work integrate_swings(const Scene& scene, const Solver& solver, const Batch& batch,
+                      ObservedSwing* observed) {
+  if (is_for_packs(solver.stepper)) return integrate_packs(scene, solver, batch, observed);
+  Work work{};
+  for (std::size_t i = 0; i < batch.designs.size(); ++i) {
+    const SingleStepper single = single_stepper(scene, batch.designs[i], solver);
+    integrate_packs(scene, solver, batch.slice(i, 1), observed, &single);
+    work.lane_steps += batch.results[i].steps;
+    work.evaluations += single.evaluations();
+  }
+  return work;
+}
 
 Work integrate(const Scene& scene, const Solver& solver, const Batch& batch) {
   const auto& [designs, results, fields, values] = batch;

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "trebsweep/ode/stepper.hpp"
 #include "trebsweep/swing/swing_by.hpp"
 
 namespace trebsweep {
@@ -20,7 +19,8 @@ Outcome<Wide, E> swing_at(double tolerance, const Scene& scene, const Design<dou
                           std::span<double> values = {}) {
   solver.release = located(solver.release);
   solver.tolerance = tolerance;
-  return swing_by<Wide, E>(Vern8<Wide, E>(), scene, design, solver, {}, fields, values);
+  return swing_by(any_stepper<Wide, E, Vern8<Wide, E>>(), scene, design, solver, {}, fields,
+                  values);
 }
 
 /// A bound of the error of a result: its distance from the other one, plus rounding to double.

@@ -4,43 +4,26 @@
 #include <cmath>
 #include <vector>
 
-#include "trebsweep/ode/steppers.hpp"
+#include "trebsweep/swing/integrate.hpp"
 #include "trebsweep/swing/plain_instant.hpp"
-#include "trebsweep/swing/swing_by.hpp"
 
 namespace trebsweep {
 namespace {
 
-/// By a stepper for packs.
 template <Effects E>
-Outcome<double, E> swing_in_lane(const Scene& scene, const Design<double>& design,
-                                 const Solver& solver, const Observer<E>& observe,
-                                 std::span<const Field> fields, std::span<double> values) {
+Outcome<double, E> swing_once(const Scene& scene, const Design<double>& design,
+                              const Solver& solver, const Observer<E>& observe,
+                              std::span<const Field> fields, std::span<double> values) {
   ObservedSwing observed;
   if (observe)
     observed.step = [&](const PlainInstant& from, const PlainInstant& to) {
       observe(to_instant<double, E>(from), to_instant<double, E>(to));
     };
   SwingResult result;
-  const Work work =
-      integrate_packs(scene, solver, {{&design, 1}, {&result, 1}, fields, values}, &observed);
-  Outcome<double, E> outcome{result.status,  observed.t,   {},
-                             observed.speed, result.steps, work.evaluations};
+  integrate_swings(scene, solver, {{&design, 1}, {&result, 1}, fields, values}, &observed);
+  Outcome<double, E> outcome{result.status, observed.t, {}, observed.speed, result.steps};
   std::copy_n(observed.x.begin(), outcome.x.size(), outcome.x.begin());
   return outcome;
-}
-
-/// By a stepper that integrates one design at a time.
-template <Effects E>
-Outcome<double, E> swing_alone(const Scene& scene, const Design<double>& design,
-                               const Solver& solver, const Observer<E>& observe,
-                               std::span<const Field> fields, std::span<double> values) {
-  return with_single_stepper(solver.stepper, [&]<template <class, Effects> class Stepper>() {
-    auto&& stepper = make_stepper<Stepper<double, E>>(solver);
-    auto outcome = swing_by<double, E>(stepper, scene, design, solver, observe, fields, values);
-    outcome.evaluations = stepper.evaluations();
-    return outcome;
-  });
 }
 
 }  // namespace
@@ -49,15 +32,14 @@ template <Effects E>
 Outcome<double, E> swing(const Scene& scene, const Design<double>& design, const Solver& solver,
                          const Observer<E>& observe, std::span<const Field> fields,
                          std::span<double> values) {
-  const auto swing_with = is_for_packs(solver.stepper) ? swing_in_lane<E> : swing_alone<E>;
   if (!observe || !takes_best_moment(solver.release))
-    return swing_with(scene, design, solver, observe, fields, values);
+    return swing_once(scene, design, solver, observe, fields, values);
   // The release is chosen from an interval: steps that follow it are left out.
   struct Step {
     Instant<double, E> from, to;
   };
   std::vector<Step> taken;
-  const auto outcome = swing_with(
+  const auto outcome = swing_once<E>(
       scene, design, solver,
       [&](const Instant<double, E>& from, const Instant<double, E>& to) {
         taken.push_back({from, to});

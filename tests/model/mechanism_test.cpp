@@ -23,7 +23,8 @@ auto path(const Sample<E>& s, const State<double, E>& dxdt) {
 
 template <Effects E>
 Loads<double> loads(const Sample<E>& s, const State<double, E>& dxdt) {
-  return Mechanism<double, E>(s.scene, s.design).loads(s.x, dxdt, normal_force(s));
+  return Mechanism<double, E>(s.scene, s.design)
+      .loads(s.x, directions<E>(s.x), dxdt, normal_force(s));
 }
 
 /// Requires that the energy changes at the rate of the dissipation along the rates of a motion.
@@ -185,7 +186,9 @@ TEST_CASE("The bending moment balances on both sides of the fulcrum") {
                           (m1 * g * r1 + per_metre * g * r1 * r1 / 2) * sine;
     const double stress = 6 * std::abs(moment) / (side * side * side);
     const double scale = 6 * m1 * r1 * (g + r1 * std::abs(dxdt[w1])) / (side * side * side);
-    REQUIRE(std::abs(std::abs(mechanism.loads(s.x, dxdt, 0).beam_stress) - stress) < 1e-10 * scale);
+    REQUIRE(
+        std::abs(std::abs(mechanism.loads(s.x, directions<Effects{}>(s.x), dxdt, 0).beam_stress) -
+                 stress) < 1e-10 * scale);
   }
 }
 
@@ -195,7 +198,7 @@ TEST_CASE("A horizontal beam in equilibrium bends like a cantilever") {
   const Mechanism<double> mechanism(scene, {1, 1, 2});
   // Level: phi1 = pi/2, the sling hangs; nothing accelerates.
   const State<double> x{boost::math::double_constants::half_pi, 0, 0, 0}, still{};
-  const auto loads = mechanism.loads(x, still, 0);
+  const auto loads = mechanism.loads(x, directions<Effects{}>(x), still, 0);
   CHECK(loads.projectile_tension == Approx(100 * 9.8));
   CHECK(loads.axle == Approx(5100 * 9.8));
   CHECK(loads.beam_stress == Approx(6 * 100 * 9.8 * 2 / 1e-3));
@@ -208,7 +211,7 @@ TEST_CASE("A measured beam, whose section is unknown, has no bending stress") {
   scene.beam_moment = 5;
   const Mechanism<double> mechanism(scene, {1, 1, 2});
   const State<double> x{1, 0, 0, 0}, still{};
-  const auto loads = mechanism.loads(x, still, 0);
+  const auto loads = mechanism.loads(x, directions<Effects{}>(x), still, 0);
   CHECK(std::isnan(loads.beam_stress));
   CHECK(loads.axle == Approx((5000 + 10 + 100) * 9.8));
 }

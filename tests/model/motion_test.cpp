@@ -184,7 +184,9 @@ TEST_CASE("A measured beam with the numbers of a computed one moves and loads th
       for (std::size_t k = 0; k < a.size(); ++k)
         REQUIRE(std::abs(a[k] - expected[k]) < 1e-11 * scale);
       const auto axle = [&](const Sample<E>& s) {
-        return Mechanism<double, E>(s.scene, s.design).loads(s.x, rates(s), normal_force(s)).axle;
+        return Mechanism<double, E>(s.scene, s.design)
+            .loads(s.x, directions<E>(s.x), rates(s), normal_force(s))
+            .axle;
       };
       REQUIRE(axle(measured) == Approx(axle(computed)).epsilon(1e-9));
     }

@@ -155,7 +155,7 @@ TEST_CASE("The first extrapolated step of a swing does not depend on earlier swi
   const Solver solver{.tolerance = 1e-9};
   const auto first_step = [](auto& stepper, const Motion<double>& motion, double h, auto& to) {
     const auto from = instant(motion, 0.0, {0.4, -0.3, 1, -2});
-    return try_step(stepper, motion, from, h, to, 1e-9);
+    return stepper.try_step(motion, from, h, to);
   };
   const Motion<double> motion(Scene{}, {0.51, 0.58, 0.91}), other(Scene{}, {0.3, 1.5, 0.2});
   for (const double h : {0.001, 0.01, 0.05, 0.2}) {

@@ -50,8 +50,8 @@ std::vector<Outcome<double, E>> integrate_all(const Solver& solver, const Scene&
     return true;
   };
   const auto done = [&](std::uint64_t number, const auto& o) { outcomes[number] = o; };
-  auto stepper = make_stepper<Stepper>(solver);
-  Swings<Stepper, T, E, decltype(next), decltype(done)>(scene, solver, stepper, {}, {}, next, done)
+  const auto stepper = any_stepper<T, E, Stepper>();
+  Swings<T, E, decltype(next), decltype(done)>(scene, solver, stepper, {}, {}, next, done)
       .run();
   return outcomes;
 }

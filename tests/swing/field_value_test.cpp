@@ -47,7 +47,7 @@ Observed observe_swing(const Machine& m, const Solver& solver, Outcome<double, E
     for (int i = 1; i <= parts && to.t > from.t; ++i) {
       const auto at = advance(motion, from, (to.t - from.t) * i / parts);
       const double normal = motion.normal_force(at.x, at.directions);
-      const auto loads = mechanism.loads(at.x, at.dxdt, normal);
+      const auto loads = mechanism.loads(at.x, at.directions, at.dxdt, normal);
       o.least_tension = std::min(o.least_tension, loads.projectile_tension);
       o.peak_tension = std::max(o.peak_tension, loads.tip_tension);
       o.peak_axle_load = std::max(o.peak_axle_load, loads.axle);

@@ -169,7 +169,7 @@ TEST_CASE("References agree with quadruple precision within their bounds") {
     const auto fields = quantities();
     std::vector<double> values(fields.size());
     const auto swing =
-        swing_by<Quad, E>(Vern8<Quad, E>(), m.scene, m.design, solver, {}, fields, values);
+        swing_by(any_stepper<Quad, E, Vern8<Quad, E>>(), m.scene, m.design, solver, {}, fields, values);
     const auto references = reference_values(m.scene, m.design, solver, fields);
     for (std::size_t f = 0; f < fields.size(); ++f) {
       const double truth = fields[f] == Field::speed          ? static_cast<double>(swing.speed)

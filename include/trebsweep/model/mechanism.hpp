@@ -210,11 +210,10 @@ class Mechanism {
   /// force on the projectile, N. The stress 6 M/s^3 is that of a uniform square section (flexure
   /// formula, Gere and Goodno, Mechanics of Materials) under the bending moment M of sling, weight
   /// and inertia of the throwing arm at the fulcrum.
-  Loads<T> loads(const X& x, const X& dxdt, const T& normal) const {
+  Loads<T> loads(const X& x, const At& at, const X& dxdt, const T& normal) const {
     using std::sqrt;
     const auto& [r1, r3, r2] = design_;
     const T m1(scene_.counterweight_mass), m3(scene_.projectile_mass), ms(scene_.sling_mass);
-    const At at = directions<E>(x);
     const Vector<T> up{T(0), T(scene_.gravity)}, a = arm(at), e = sling(at);
     const Vector<T> turn = turning(x, at, dxdt);
     const Vector<T> tip = tip_force(turn), end = projectile_force(tip, x, at, dxdt);

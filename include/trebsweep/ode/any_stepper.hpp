@@ -1,55 +1,57 @@
 #pragma once
 
-#include "trebsweep/ode/stepper.hpp"
+#include <functional>
+
+#include "trebsweep/ode/step_size.hpp"
 
 namespace trebsweep {
 
-/// A stepper whose method, which has no state, is chosen at run time. The code that integrates
-/// swings is compiled once for all methods that are adaptive, and once for all that have a fixed
-/// step.
-template <class T, Effects E, bool adaptive>
-class AnyStepper {
- public:
-  using stepper_category =
-      std::conditional_t<adaptive, odeint::explicit_error_stepper_tag, odeint::stepper_tag>;
-
-  int order() const { return order_; }
-  int error_order() const { return error_order_; }
-
+/// A stepper whose method is chosen at run time, so that the code that integrates swings is
+/// compiled once for all methods.
+template <class T, Effects E>
+struct AnyStepper {
+  bool adaptive;           ///< otherwise its steps have a fixed length
+  bool interpolated;       ///< see is_interpolated
+  int order, error_order;  ///< of an adaptive method
   /// See advance().
-  void step(const Motion<T, E>& motion, const Instant<T, E>& from, const T& h, Instant<T, E>& to,
-            State<T, E>& error) {
-    step_(motion, from, h, to, error);
-  }
-
-  /// That of a type of stepper.
-  template <class Stepper>
-  static AnyStepper of() {
-    static_assert(is_adaptive<Stepper> == adaptive);
-    AnyStepper any;
-    if constexpr (adaptive) {
-      const Stepper stepper;
-      any.order_ = stepper.order();
-      any.error_order_ = stepper.error_order();
-    }
-    any.step_ = [](const Motion<T, E>& motion, const Instant<T, E>& from, const T& h,
-                   Instant<T, E>& to, State<T, E>& error) {
-      Stepper method;
-      advance(method, motion, from, h, to, error);
-    };
-    return any;
-  }
-
- private:
-  int order_ = 0, error_order_ = 0;
-  void (*step_)(const Motion<T, E>&, const Instant<T, E>&, const T&, Instant<T, E>&,
-                State<T, E>&) = nullptr;
+  std::function<void(const Motion<T, E>& motion, const Instant<T, E>& from, const T& h,
+                     Instant<T, E>& to, State<T, E>& error)>
+      step;
+  /// See try_step(). Empty, unless the stepper chooses the length of its steps itself.
+  std::function<Trial<T>(const Motion<T, E>& motion, const Instant<T, E>& from, const T& h,
+                         Instant<T, E>& to)>
+      try_step = {};
 };
 
-/// The AnyStepper for a type of stepper.
+/// Takes a step of length h from `from` to `to`, decides whether it is accepted, and chooses the
+/// length of the next step. For adaptive steppers.
+template <class T, Effects E>
+[[gnu::always_inline]] inline Trial<T> try_step(const AnyStepper<T, E>& stepper,
+                                                const Motion<T, E>& motion,
+                                                const Instant<T, E>& from, const T& h,
+                                                Instant<T, E>& to, double tolerance) {
+  if (stepper.try_step) [[unlikely]]
+    return stepper.try_step(motion, from, h, to);
+  State<T, E> error;
+  advance(stepper, motion, from, h, to, error);
+  const auto ratio = error_ratio(from, to, error, h, tolerance);
+  return {ratio.error <= ratio.allowed, T(h * step_factor(ratio, stepper.error_order))};
+}
+
+/// The AnyStepper of a type of stepper without state.
 template <class T, Effects E, class Stepper>
-AnyStepper<T, E, is_adaptive<Stepper>> any_stepper() {
-  return AnyStepper<T, E, is_adaptive<Stepper>>::template of<Stepper>();
+AnyStepper<T, E> any_stepper() {
+  AnyStepper<T, E> any{is_adaptive<Stepper>, is_interpolated<Stepper>, 0, 0,
+                       [](const Motion<T, E>& motion, const Instant<T, E>& from, const T& h,
+                          Instant<T, E>& to, State<T, E>& error) {
+                         Stepper stepper;
+                         advance(stepper, motion, from, h, to, error);
+                       }};
+  if constexpr (is_adaptive<Stepper>) {
+    any.order = Stepper().order();
+    any.error_order = Stepper().error_order();
+  }
+  return any;
 }
 
 }  // namespace trebsweep

@@ -67,11 +67,4 @@ class BulirschStoer {
   std::uint64_t evaluations_ = 0;
 };
 
-template <class T, Effects E>
-Trial<T> try_step(BulirschStoer<T, E>& stepper, const Motion<T, E>& motion,
-                  const Instant<T, E>& from, const std::type_identity_t<T>& h, Instant<T, E>& to,
-                  double /*tolerance*/) {
-  return stepper.try_step(motion, from, h, to);
-}
-
 }  // namespace trebsweep

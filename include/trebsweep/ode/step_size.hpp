@@ -68,17 +68,4 @@ struct Trial {
   T next;
 };
 
-/// Takes a step of length h from `from` to `to`, decides whether it is accepted, and chooses the
-/// length of the next step.
-template <class Stepper, class T, Effects E>
-[[gnu::always_inline]] inline Trial<T> try_step(Stepper& stepper, const Motion<T, E>& motion,
-                                                const Instant<T, E>& from,
-                                                const std::type_identity_t<T>& h, Instant<T, E>& to,
-                                                double tolerance) {
-  State<T, E> error;
-  advance(stepper, motion, from, h, to, error);
-  const auto ratio = error_ratio(from, to, error, h, tolerance);
-  return {ratio.error <= ratio.allowed, T(h * step_factor(ratio, stepper.error_order()))};
-}
-
 }  // namespace trebsweep

@@ -2,21 +2,33 @@
 
 #include <functional>
 
-#include "trebsweep/ode/instant.hpp"
-#include "trebsweep/ode/solver.hpp"
+#include "trebsweep/swing/plain_instant.hpp"
 
 namespace trebsweep {
 
-/// advance(motion, from, h) is the instant a step of length h (s) after `from`. A multistep stepper
-/// keeps its history from call to call.
+/// The solver's stepper for a design, if it is one that integrates one design at a time.
+SingleStepper single_stepper(const Scene& scene, const Design<double>& design,
+                             const Solver& solver);
+
+/// The instant a step of length h (s) after `from`. A multistep stepper keeps its history from call
+/// to call.
+using PlainAdvance = std::function<PlainInstant(bool sliding, const PlainInstant& from, double h)>;
+
+/// That of the solver's stepper, any of the registry, for a design. Those for packs step in the
+/// kernel, with the bits of a lattice's designs.
+PlainAdvance plain_advance(const Scene& scene, const Design<double>& design, const Solver& solver);
+
+/// advance(motion, from, h) is the same for the motion of the design.
 template <Effects E>
 using Advance = std::function<Instant<double, E>(const Motion<double, E>& motion,
                                                  const Instant<double, E>& from, double h)>;
 
-/// The same for the solver's stepper, any of the registry; `motion` must be that of the design.
-/// Those for packs step in the kernel, with the bits of a lattice's designs. E is one of
-/// general_effects.
 template <Effects E>
-Advance<E> make_advance(const Scene& scene, const Design<double>& design, const Solver& solver);
+Advance<E> make_advance(const Scene& scene, const Design<double>& design, const Solver& solver) {
+  return [advance = plain_advance(scene, design, solver)](
+             const Motion<double, E>& motion, const Instant<double, E>& from, double h) {
+    return to_instant<double, E>(advance(is_sliding(motion), to_plain(from), h));
+  };
+}
 
 }  // namespace trebsweep

@@ -206,9 +206,9 @@ class BestRelease {
 /// The instant of the best moment, located by the stepper, or the end of its part of a fall where
 /// it lies beyond, since parts are searched with an interpolated motion. Flights through air are
 /// integrated with a relative error of about `tolerance`, or that of flight(), if that is larger.
-template <class Stepper, class T, Effects E>
+template <class T, Effects E>
 Instant<T, E> best_instant(const BestMoment<T, E>& best, Release rule, double tolerance,
-                           Stepper& stepper, const Motion<T, E>& motion,
+                           const AnyStepper<T, E>& stepper, const Motion<T, E>& motion,
                            const Mechanism<T, E>& mechanism) {
   using Number = typename Lanes<T>::Number;
   const double epsilon = static_cast<double>(std::numeric_limits<Number>::epsilon());

@@ -36,8 +36,8 @@ struct FlightEquations {
   FlightState<T, N> rates(const FlightState<T, N>& s, const T& h) const {
     using std::sqrt;
     const T ux = s[2] - wind, uy = s[3];
-    const T positive = std::numeric_limits<double>::min();  // derivatives at zero speed are zero
-    const T speed = sqrt(T(ux * ux + uy * uy + positive));
+    const T tiny = std::numeric_limits<double>::min();  // derivatives at zero speed are zero
+    const T speed = sqrt(T(ux * ux + uy * uy + tiny));
     const T k = h * drag, damping = k * speed;
     FlightState<T, N> rates;
     rates[0] = h * s[2];

@@ -1,8 +1,6 @@
 #pragma once
 
-#include "trebsweep/model/scene.hpp"
-#include "trebsweep/ode/solver.hpp"
-#include "trebsweep/swing/batch.hpp"
+#include "trebsweep/swing/kernel.hpp"
 
 namespace trebsweep {
 
@@ -10,6 +8,11 @@ namespace trebsweep {
 /// independent of the rest of the batch. A field without a value is NaN. The utilisation of the
 /// lanes is the sum of the results' steps over Work::lane_steps.
 Work integrate(const Scene& scene, const Solver& solver, const Batch& batch);
+
+/// The same, but fields that are not is_of_swing() stay NaN. `observed` may be null, or receives
+/// the steps of the batch's single design.
+Work integrate_swings(const Scene& scene, const Solver& solver, const Batch& batch,
+                      ObservedSwing* observed = nullptr);
 
 /// The solver with another stepper, to check results by integrate_accurately(): with vern8 or, if
 /// that is to be checked, fehlberg78, or dopri5 in scenes with an elastic sling.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <string_view>
 
@@ -22,9 +23,30 @@ inline bool has_fma(std::string_view instruction_set) {
 }
 
 /// An instant of a swing in any scene; see Instant. Of the arrays, a scene uses the first elements.
+using PlainState = std::array<double, 6>;
 struct PlainInstant {
   double t;
-  std::array<double, 6> x, directions, dxdt;
+  PlainState x, directions, dxdt;
+};
+
+/// The outcome of a step; see Trial.
+struct PlainTrial {
+  PlainInstant to;
+  bool accepted;
+  double next;
+};
+
+/// A stepper that integrates one design at a time, with a state of its own. `sliding`: whether the
+/// projectile is in the trough.
+struct SingleStepper {
+  // See AnyStepper.
+  bool adaptive, interpolated;
+  int order, error_order;
+  std::function<PlainInstant(bool sliding, const PlainInstant& from, double h, PlainState& error)>
+      step;
+  std::function<PlainTrial(bool sliding, const PlainInstant& from, double h)> try_step;
+  /// Evaluations of the right-hand side so far.
+  std::function<std::uint64_t()> evaluations;
 };
 
 /// What integrate_packs() reports of a single design besides its SwingResult.
@@ -33,16 +55,16 @@ struct ObservedSwing {
   std::function<void(const PlainInstant& from, const PlainInstant& to)> step;
   // The end of the swing; see Outcome.
   double t = 0, speed = 0;
-  std::array<double, 6> x{};
+  PlainState x{};
 };
 
-/// integrate() for a stepper for packs; fields that are not is_of_swing() stay NaN. `observed`, if
-/// not null, is of the only design of the batch.
+/// integrate() for a stepper for packs; fields that are not is_of_swing() stay NaN. Of a batch with
+/// a single design, `observed` receives the steps, and `single` takes the place of the solver's
+/// stepper; both may be null.
 Work integrate_packs(const Scene& scene, const Solver& solver, const Batch& batch,
-                     ObservedSwing* observed = nullptr);
+                     ObservedSwing* observed = nullptr, const SingleStepper* single = nullptr);
 
 /// The instant one step of length h (s) after `from`, by the stepper for packs of that name.
-/// `sliding`: whether the projectile is in the trough.
 PlainInstant advance_pack(const Scene& scene, const Design<double>& design,
                           std::string_view stepper, bool sliding, const PlainInstant& from,
                           double h);

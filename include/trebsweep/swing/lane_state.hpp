@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "trebsweep/ode/step_size.hpp"
+#include "trebsweep/ode/any_stepper.hpp"
 #include "trebsweep/swing/outcome.hpp"
 
 namespace trebsweep {
@@ -44,8 +44,10 @@ struct LaneOwner {
 
 /// The number of parts of a step that are searched separately for lift-offs and best moments:
 /// adaptive methods take long steps.
-template <class Stepper>
-inline constexpr int parts_to_search = is_adaptive<Stepper> ? 4 : 1;
+template <class T, Effects E>
+int parts_to_search(const AnyStepper<T, E>& stepper) {
+  return stepper.adaptive ? 4 : 1;
+}
 
 /// The time between two instants, s; a negligible one where it would be zero, because steppers need
 /// a positive length.
@@ -81,8 +83,7 @@ Number latest_time(const Solver& solver) {
 }
 
 /// The number of steps after which a swing may have to end.
-template <bool adaptive>
-std::uint64_t step_limit(const Solver& solver) {
+inline std::uint64_t step_limit(const Solver& solver, bool adaptive) {
   if (adaptive) return solver.max_steps;
   const double steps = std::ceil(solver.max_time / solver.time_step * (1 - 4e-16));
   return steps < static_cast<double>(solver.max_steps)

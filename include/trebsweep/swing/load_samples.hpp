@@ -5,8 +5,8 @@
 #include <type_traits>
 
 #include "trebsweep/model/mechanism.hpp"
+#include "trebsweep/ode/any_stepper.hpp"
 #include "trebsweep/ode/interpolation.hpp"
-#include "trebsweep/ode/stepper.hpp"
 
 namespace trebsweep {
 
@@ -22,11 +22,10 @@ using LoadSamples = std::array<Loads<T>, load_nodes.size()>;
 template <class T, Effects E>
 Loads<T> loads_at(const Motion<T, E>& motion, const Mechanism<T, E>& mechanism,
                   const Instant<T, E>& at) {
-  return mechanism.loads(at.x, at.dxdt, motion.normal_force(at.x, at.directions));
+  return mechanism.loads(at.x, at.directions, at.dxdt, motion.normal_force(at.x, at.directions));
 }
 
-/// The loads at the nodes of a step of length h, for the interpolated motion. Not inlined: all
-/// adaptive steppers share the code.
+/// The loads at the nodes of a step of length h, for the interpolated motion.
 template <class T, Effects E>
 [[gnu::noinline]] LoadSamples<T> interpolated_loads(const Motion<T, E>& motion,
                                                     const Mechanism<T, E>& mechanism,
@@ -44,8 +43,8 @@ template <class T, Effects E>
 }
 
 /// The same, where the stepper itself integrates to the nodes.
-template <class Stepper, class T, Effects E>
-LoadSamples<T> integrated_loads(Stepper& stepper, const Motion<T, E>& motion,
+template <class T, Effects E>
+LoadSamples<T> integrated_loads(const AnyStepper<T, E>& stepper, const Motion<T, E>& motion,
                                 const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
                                 const Instant<T, E>& to, const T& h) {
   LoadSamples<T> loads;

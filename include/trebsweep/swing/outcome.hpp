@@ -15,11 +15,10 @@ namespace trebsweep {
 template <class Number, Effects E = Effects{}>
 struct Outcome {
   Status status;
-  Number t;                       ///< s: time of the release, or the last time reached
-  State<Number, E> x;             ///< state at t
-  Number speed;                   ///< m/s; only of a release
-  std::uint64_t steps;            ///< accepted and rejected
-  std::uint64_t evaluations = 0;  ///< of the right-hand side; set for single swings only
+  Number t;             ///< s: time of the release, or the last time reached
+  State<Number, E> x;   ///< state at t
+  Number speed;         ///< m/s; only of a release
+  std::uint64_t steps;  ///< accepted and rejected
 };
 
 /// The result of a swing. Without a release, its speed and time are NaN, and `values`, which belong

@@ -30,4 +30,10 @@ Instant<T, E> to_instant(const PlainInstant& plain) {
   return at;
 }
 
+/// Whether the projectile of the first lane is in the trough.
+template <class T, Effects E>
+bool is_sliding(const Motion<T, E>& motion) {
+  return get_lane(motion.sliding(), 0) > 0;
+}
+
 }  // namespace trebsweep

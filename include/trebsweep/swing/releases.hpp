@@ -12,14 +12,15 @@
 namespace trebsweep {
 
 /// Locates releases, and the ends of searches for the best one, within the last steps of swings.
-template <class Stepper, class T, Effects E>
+template <class T, Effects E>
 class Releases {
  public:
   /// See Swings for `fields` and `values`.
-  Releases(const Scene& scene, const Solver& solver, std::span<const Field> fields,
-           std::span<double> values)
+  Releases(const Scene& scene, const Solver& solver, const AnyStepper<T, E>& stepper,
+           std::span<const Field> fields, std::span<double> values)
       : scene_(scene),
         solver_(solver),
+        stepper_(stepper),
         fields_(fields),
         values_(values),
         request_(fields, scene),
@@ -28,16 +29,16 @@ class Releases {
   /// Makes the releases the ends of the last steps, writes the fields, and calls
   /// done(index, outcome) for each swing.
   template <class Done>
-  void locate(Stepper& stepper, WaitingSwings<T, E>& swings, Done done) const {
+  void locate(WaitingSwings<T, E>& swings, Done done) const {
     auto& [state, record, from, to, best, index, steps, lanes] = swings;
     const Mechanism<T, E> mechanism(scene_, state.design);
     LaneMask released = ~LaneMask{0};
     if (rule_.chooses())
-      released = choose(stepper, mechanism, swings);
+      released = choose(mechanism, swings);
     else if (!rule_.is_window())
-      to = event_between(rule_.event(), stepper, state.motion, from, to);
+      to = event_between(rule_.event(), stepper_, state.motion, from, to);
     const T speed = mechanism.speed(to.x);
-    const LaneMask below_ground = write_fields(stepper, mechanism, swings);
+    const LaneMask below_ground = write_fields(mechanism, swings);
     for (LaneMask left = lanes; left != 0; left &= left - 1) {
       const std::size_t lane = first_lane(left);
       const Status status = (released >> lane & 1) == 0       ? Status::not_released
@@ -55,33 +56,33 @@ class Releases {
 
   /// Makes the best release the end of the last step, which was the end of the search. Returns the
   /// lanes that have one.
-  LaneMask choose(Stepper& stepper, const Mechanism<T, E>& mechanism,
-                  WaitingSwings<T, E>& swings) const {
+  LaneMask choose(const Mechanism<T, E>& mechanism, WaitingSwings<T, E>& swings) const {
     auto& [state, record, from, to, best, index, steps, lanes] = swings;
-    to = end_of_search(stepper, state.motion, from, to);
+    to = end_of_search(state.motion, from, to);
     best.try_step(lanes, solver_.release, state.motion, mechanism, from, to, step_between(from, to),
                   record);
     const BestMoment<T, E>& moment = best.moment();
     const LaneMask exists = lanes_of(moment.worth > T(-std::numeric_limits<double>::infinity()));
-    to = best_instant(moment, solver_.release, solver_.tolerance, stepper, state.motion, mechanism);
+    to =
+        best_instant(moment, solver_.release, solver_.tolerance, stepper_, state.motion, mechanism);
     from = moment.bracket.from;
     record = moment.record;
     return exists;
   }
 
   /// The end of the search within the last step: the first of phi1 = 3 pi/2 and max_time.
-  Instant<T, E> end_of_search(Stepper& stepper, const Motion<T, E>& motion,
-                              const Instant<T, E>& from, const Instant<T, E>& to) const {
+  Instant<T, E> end_of_search(const Motion<T, E>& motion, const Instant<T, E>& from,
+                              const Instant<T, E>& to) const {
     const auto passes = rule_.reached(to);
     Instant<T, E> end = to;
     if (any(passes))
-      copy_where<T>(passes, end, event_between(rule_.event(), stepper, motion, from, to));
+      copy_where<T>(passes, end, event_between(rule_.event(), stepper_, motion, from, to));
     const T max_time(Number(solver_.max_time));
     const auto late = end.t > max_time;
     if (any(late)) {
       Instant<T, E> limited;
       State<T, E> error;
-      advance(stepper, motion, from, select(late, T(max_time - from.t), T(to.t - from.t)), limited,
+      advance(stepper_, motion, from, select(late, T(max_time - from.t), T(to.t - from.t)), limited,
               error);
       copy_where<T>(late, end, limited);
     }
@@ -89,12 +90,11 @@ class Releases {
   }
 
   /// Returns the lanes that are below the ground, if a field of the flight is requested.
-  LaneMask write_fields(Stepper& stepper, const Mechanism<T, E>& mechanism,
-                        WaitingSwings<T, E>& swings) const {
+  LaneMask write_fields(const Mechanism<T, E>& mechanism, WaitingSwings<T, E>& swings) const {
     if (fields_.empty()) return 0;
     auto& [state, record, from, to, best, index, steps, lanes] = swings;
     if (request_.steps())
-      record = record_step(record, request_, stepper, solver_.tolerance, state.motion, mechanism,
+      record = record_step(record, request_, stepper_, solver_.tolerance, state.motion, mechanism,
                            from, to, step_between(from, to));
     LaneMask below_ground = 0;
     Flight<T> flight{};
@@ -115,6 +115,7 @@ class Releases {
 
   const Scene scene_;
   const Solver solver_;
+  const AnyStepper<T, E>& stepper_;
   const std::span<const Field> fields_;
   const std::span<double> values_;
   const RecordRequest request_;

@@ -9,7 +9,7 @@
 namespace trebsweep {
 
 /// The initial states of the next designs, computed for a full pack at a time.
-template <class Stepper, class T, Effects E>
+template <class T, Effects E>
 class StartQueue {
  public:
   StartQueue(const Scene& scene, const Solver& solver) : scene_(scene), solver_(solver) {}
@@ -19,7 +19,8 @@ class StartQueue {
   /// Refills an empty queue from next(design), which returns false after the last design. Calls
   /// impossible(index, status) for designs that have no initial state.
   template <class Next, class Impossible>
-  [[gnu::noinline]] void refill(const Stepper& stepper, Next& next, Impossible impossible) {
+  [[gnu::noinline]] void refill(const AnyStepper<T, E>& stepper, Next& next,
+                                Impossible impossible) {
     first_ = size_ = 0;
     Design<T> designs{1, 1, 1};
     Design<double> design;
@@ -65,16 +66,16 @@ class StartQueue {
   /// The length of the first step: the fixed step, or that for which a local error of h^(q + 1)
   /// times the initial acceleration is a tenth of the tolerance, q the order of the method
   /// (Hairer, Norsett and Wanner, II.4, without their second evaluation).
-  T first_step(const Stepper& stepper, const Instant<T, E>& at) const {
+  T first_step(const AnyStepper<T, E>& stepper, const Instant<T, E>& at) const {
     using std::abs;
-    if constexpr (!is_adaptive<Stepper>) return T(Number(solver_.time_step));
+    if (!stepper.adaptive) return T(Number(solver_.time_step));
     const T a = abs(at.dxdt[w1]), b = abs(at.dxdt[w2]);
     T rate = select(a < b, b, a);
     if constexpr (E.hanger) {
       const T c = abs(at.dxdt[w3]);
       rate = select(rate < c, c, rate);
     }
-    return rough_power(T(0.1 * solver_.tolerance), rate, 1.0 / (stepper.order() + 1));
+    return rough_power(T(0.1 * solver_.tolerance), rate, 1.0 / (stepper.order + 1));
   }
 
   const Scene scene_;

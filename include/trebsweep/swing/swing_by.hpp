@@ -7,9 +7,9 @@
 
 namespace trebsweep {
 
-/// Integrates one design with a stepper and a number type chosen at compile time; see swing().
-template <class T, Effects E, class Stepper, class Observe = NullObserver>
-Outcome<typename Lanes<T>::Number, E> swing_by(Stepper&& stepper, const Scene& scene,
+/// Integrates one design with effects and a number type chosen at compile time; see swing().
+template <class T, Effects E, class Observe = NullObserver>
+Outcome<typename Lanes<T>::Number, E> swing_by(const AnyStepper<T, E>& stepper, const Scene& scene,
                                                const Design<double>& design, const Solver& solver,
                                                Observe&& observe = {},
                                                std::span<const Field> fields = {},
@@ -21,8 +21,8 @@ Outcome<typename Lanes<T>::Number, E> swing_by(Stepper&& stepper, const Scene& s
     return !std::exchange(given, true);
   };
   const auto done = [&](std::uint64_t, const auto& o) { outcome = o; };
-  Swings<std::remove_reference_t<Stepper>, T, E, decltype(next), decltype(done), Observe&> swings(
-      scene, solver, stepper, fields, values, next, done, observe);
+  Swings<T, E, decltype(next), decltype(done), Observe&> swings(scene, solver, stepper, fields,
+                                                                values, next, done, observe);
   swings.run();
   return outcome;
 }

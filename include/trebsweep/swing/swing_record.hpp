@@ -8,7 +8,7 @@
 #include <limits>
 #include <span>
 
-#include "trebsweep/ode/stepper.hpp"
+#include "trebsweep/ode/any_stepper.hpp"
 #include "trebsweep/swing/field.hpp"
 #include "trebsweep/swing/load_samples.hpp"
 #include "trebsweep/swing/peak.hpp"
@@ -89,9 +89,10 @@ struct RecordRequest {
 
 /// The mean power lost to friction and damping over a step, W: Gauss-Lobatto quadrature with five
 /// nodes (Abramowitz and Stegun, table 25.6). The stepper itself integrates to the inner nodes.
-template <class Stepper, class T, Effects E>
-T mean_lost_power(Stepper& stepper, const Motion<T, E>& motion, const Mechanism<T, E>& mechanism,
-                  const Instant<T, E>& from, const Instant<T, E>& to, const T& h) {
+template <class T, Effects E>
+T mean_lost_power(const AnyStepper<T, E>& stepper, const Motion<T, E>& motion,
+                  const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
+                  const Instant<T, E>& to, const T& h) {
   constexpr double first = 0.17267316464601143;  // (1 - sqrt(3/7))/2
   constexpr std::array<double, 3> inner_nodes{first, 0.5, 1 - first};
   constexpr std::array<double, 3> weights{49.0 / 180, 16.0 / 45, 49.0 / 180};
@@ -153,28 +154,26 @@ template <class T>
 
 /// The number of parts of a step whose loads are interpolated separately. Methods of high order
 /// take long steps, over which one interpolation would miss peaks by more than a relative 1e-5.
-template <class Stepper>
-int parts_of_step(const Stepper& stepper, double tolerance) {
-  if constexpr (is_own_controller<Stepper>) return 4;  // extrapolation takes the longest steps
-  if constexpr (is_adaptive<Stepper>)
-    return is_interpolated<Stepper> && stepper.order() > 5 && tolerance > 1e-8 ? 2 : 1;
-  return 1;
+template <class T, Effects E>
+int parts_of_step(const AnyStepper<T, E>& stepper, double tolerance) {
+  if (stepper.try_step) return 4;  // extrapolation takes the longest steps
+  return stepper.interpolated && stepper.order > 5 && tolerance > 1e-8 ? 2 : 1;
 }
 
 /// Whether the stepper itself integrates to the peaks of loads: at tight tolerances, polynomials
 /// would be less accurate than the motion.
-template <class Stepper>
-bool integrates_to_peaks(double tolerance) {
-  return is_adaptive<Stepper> && tolerance <= 1e-10;
+template <class T, Effects E>
+bool integrates_to_peaks(const AnyStepper<T, E>& stepper, double tolerance) {
+  return stepper.adaptive && tolerance <= 1e-10;
 }
 
 /// A record extended by the loads over a step from `from` to `to`, of length h. The height of a
 /// projectile in the trough does not count.
-template <class Stepper, class T, Effects E>
+template <class T, Effects E>
 SwingRecord<T> record_loads(const SwingRecord<T>& before, const RecordRequest& request,
-                            Stepper& stepper, double tolerance, const Motion<T, E>& motion,
-                            const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
-                            const Instant<T, E>& to, const T& h) {
+                            const AnyStepper<T, E>& stepper, double tolerance,
+                            const Motion<T, E>& motion, const Mechanism<T, E>& mechanism,
+                            const Instant<T, E>& from, const Instant<T, E>& to, const T& h) {
   SwingRecord<T> record = before;
   const int parts = parts_of_step(stepper, tolerance);
   const T part = T(1.0 / parts) * h;
@@ -185,17 +184,14 @@ SwingRecord<T> record_loads(const SwingRecord<T>& before, const RecordRequest& r
     advance(stepper, motion, last, T(s * part), at, error);
     return loads_at(motion, mechanism, at);
   };
-  const bool exact = integrates_to_peaks<Stepper>(tolerance);
+  const bool exact = integrates_to_peaks(stepper, tolerance);
   LoadsWithin<T> within;
   if (exact) within = std::cref(integrated);
   const auto extend = [&](const Instant<T, E>& end) {
-    const auto loads = [&] {
-      if constexpr (is_interpolated<Stepper>)
-        return interpolated_loads(motion, mechanism, last, end, part);
-      else
-        return integrated_loads(stepper, motion, mechanism, last, end, part);
-    };
-    record = with_extremes(record, request, loads(), within);
+    const auto loads = stepper.interpolated
+                           ? interpolated_loads(motion, mechanism, last, end, part)
+                           : integrated_loads(stepper, motion, mechanism, last, end, part);
+    record = with_extremes(record, request, loads, within);
     last = end;
   };
   for (int i = 1; i < parts; ++i) {
@@ -211,11 +207,11 @@ SwingRecord<T> record_loads(const SwingRecord<T>& before, const RecordRequest& r
 }
 
 /// A record extended by a step of length h, from `from` to `to`.
-template <class Stepper, class T, Effects E>
-SwingRecord<T> record_step(SwingRecord<T> record, const RecordRequest& request, Stepper& stepper,
-                           double tolerance, const Motion<T, E>& motion,
-                           const Mechanism<T, E>& mechanism, const Instant<T, E>& from,
-                           const Instant<T, E>& to, const T& h) {
+template <class T, Effects E>
+SwingRecord<T> record_step(SwingRecord<T> record, const RecordRequest& request,
+                           const AnyStepper<T, E>& stepper, double tolerance,
+                           const Motion<T, E>& motion, const Mechanism<T, E>& mechanism,
+                           const Instant<T, E>& from, const Instant<T, E>& to, const T& h) {
   if (request.loss) record.loss += h * mean_lost_power(stepper, motion, mechanism, from, to, h);
   if (request.extremes.any())
     record = record_loads(record, request, stepper, tolerance, motion, mechanism, from, to, h);

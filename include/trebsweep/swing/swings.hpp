@@ -30,11 +30,12 @@ struct NullObserver {
 /// is true, there is a single design, which is in the first lane, and observe(from, to) is called
 /// with the ends of every accepted step, except the last one of a swing without a release, and of
 /// the step that ends at the release; rules that choose it have observed steps beyond it before.
-template <class Stepper, class T, Effects E, class Next, class Done, class Observe = NullObserver>
+template <class T, Effects E, class Next, class Done, class Observe = NullObserver>
 class Swings {
  public:
-  Swings(const Scene& scene, const Solver& solver, Stepper& stepper, std::span<const Field> fields,
-         std::span<double> values, Next next, Done done, Observe observe = {})
+  Swings(const Scene& scene, const Solver& solver, const AnyStepper<T, E>& stepper,
+         std::span<const Field> fields, std::span<double> values, Next next, Done done,
+         Observe observe = {})
       : scene_(scene),
         solver_(solver),
         stepper_(stepper),
@@ -43,8 +44,8 @@ class Swings {
         done_(done),
         observe_(observe),
         starts_(scene, solver),
-        turns_(scene, solver),
-        releases_(scene, solver, fields, values) {}
+        turns_(scene, solver, stepper),
+        releases_(scene, solver, stepper, fields, values) {}
 
   /// Integrates all designs. Returns the number of steps of all lanes, idle lanes included.
   std::uint64_t run() {
@@ -61,16 +62,11 @@ class Swings {
   using Number = typename Lanes<T>::Number;
   using Instant = trebsweep::Instant<T, E>;
   static constexpr std::size_t lanes = Lanes<T>::count;
-  static constexpr bool adaptive = is_adaptive<Stepper>;
 
   void step() {
     Instant& from = now_[steps_taken_ % 2];
     Instant& to = now_[++steps_taken_ % 2];
-    LaneMask ended;
-    if constexpr (adaptive)
-      ended = adaptive_step(from, to);
-    else
-      ended = fixed_step(from, to);
+    LaneMask ended = stepper_.adaptive ? adaptive_step(from, to) : fixed_step(from, to);
     for (; ended != 0; ended &= ended - 1) refill(first_lane(ended));
   }
 
@@ -165,7 +161,7 @@ class Swings {
   /// Returns the lanes in `events` whose swing has ended, and reports them, or waits.
   [[gnu::noinline]] LaneMask handle_events(LaneMask events, LaneMask accepted, LaneMask turning,
                                            Instant& from, Instant& to) {
-    if constexpr (!adaptive) set_times(events, from, to);
+    if (!stepper_.adaptive) set_times(events, from, to);
     turning |=
         lanes_of(rule_.may_turn_beyond(from, to)) & ~lanes_of(lanes_.motion.sliding() > T(0));
     LaneMask left = 0;
@@ -182,7 +178,7 @@ class Swings {
 
   /// Whether the swing of a step ends or waits until its events are located.
   bool leaves_lane(const SwingStep<T, E>& step, bool accepted, bool turns) {
-    if (!is_finite(step.to, step.lane) && (!adaptive || step_underflows(step)))
+    if (!is_finite(step.to, step.lane) && (!stepper_.adaptive || step_underflows(step)))
       return end(Status::non_finite, step, step.from);
     if (accepted) {
       const bool late = get_lane(step.to.t, step.lane) > latest_;
@@ -228,7 +224,7 @@ class Swings {
     if (turning_.lanes == 0) return;
     turning_.fill_idle_lanes();
     auto& [state, record, from, to, best, index, steps, waiting] = turning_;
-    const T lifts_off = turns_.locate(stepper_, state.motion, from, to);
+    const T lifts_off = turns_.locate(state.motion, from, to);
     for (LaneMask left = waiting; left != 0; left &= left - 1) {
       const std::size_t lane = first_lane(left);
       if (ends(turning_.step(lane))) waiting &= ~(LaneMask{1} << lane);
@@ -249,7 +245,7 @@ class Swings {
   [[gnu::noinline]] void locate_releases() {
     if (ending_.lanes == 0) return;
     ending_.fill_idle_lanes();
-    releases_.locate(stepper_, ending_, [&](std::uint64_t index, const auto& outcome) {
+    releases_.locate(ending_, [&](std::uint64_t index, const auto& outcome) {
       done_(index, outcome);
       if (observing_ && has_speed(outcome.status)) observe_(ending_.from, ending_.to);
     });
@@ -260,7 +256,7 @@ class Swings {
   /// time-step takes the place of the time.
   bool step_underflows(const SwingStep<T, E>& step) const {
     const Number time = std::max<Number>(get_lane(step.from.t, step.lane), solver_.time_step);
-    return adaptive &&
+    return stepper_.adaptive &&
            get_lane(lanes_.h, step.lane) < std::numeric_limits<Number>::epsilon() * time;
   }
 
@@ -316,7 +312,7 @@ class Swings {
 
   const Scene scene_;
   const Solver solver_;
-  Stepper& stepper_;
+  const AnyStepper<T, E>& stepper_;
   const RecordRequest request_;
   const bool recording_ = request_.any();
   Next next_;
@@ -329,7 +325,7 @@ class Swings {
   const T shortest_step_ = std::numeric_limits<Number>::epsilon() *
                            std::max<Number>(solver_.max_time, solver_.time_step);
   const ReleaseRule<Number> rule_{solver_};
-  const std::uint64_t step_limit_ = step_limit<adaptive>(solver_);
+  const std::uint64_t step_limit_ = step_limit(solver_, stepper_.adaptive);
 
   LaneState<T, E> lanes_{};
   SwingRecord<T> record_{};
@@ -340,9 +336,9 @@ class Swings {
   std::uint64_t steps_taken_ = 0;
   std::uint64_t next_step_check_ = std::numeric_limits<std::uint64_t>::max();
 
-  StartQueue<Stepper, T, E> starts_;
-  const Turns<Stepper, T, E> turns_;
-  const Releases<Stepper, T, E> releases_;
+  StartQueue<T, E> starts_;
+  const Turns<T, E> turns_;
+  const Releases<T, E> releases_;
   WaitingSwings<T, E> turning_, ending_;        // with turns, and with ends, to be located
   std::vector<WaitingSwings<T, E>> restarted_;  // that wait for lanes
 };

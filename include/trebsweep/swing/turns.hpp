@@ -44,14 +44,15 @@ SignChange<T> turn_of_sling(const Instant<T, E>& from, const Instant<T, E>& to) 
 /// The turning points and the lift-off from which a swing restarts: the lift-off from the trough;
 /// where the rule of release depends on phi1 - phi2, the turning points of that angle; where dry
 /// friction holds an arm that turns back, the turning points of the arm.
-template <class Stepper, class T, Effects E>
+template <class T, Effects E>
 class Turns {
  public:
-  Turns(const Scene& scene, const Solver& solver)
-      : rule_(solver),
+  Turns(const Scene& scene, const Solver& solver, const AnyStepper<T, E>& stepper)
+      : stepper_(stepper),
+        rule_(solver),
         tolerance_(solver.tolerance),
         stops_(E.pivot && scene.pivot_friction > 0),
-        exist_(E.trough || rule_.is_of_sling() || (stops_ && is_adaptive<Stepper>)) {}
+        exist_(E.trough || rule_.is_of_sling() || (stops_ && stepper_.adaptive)) {}
 
   /// The lanes whose step contains one. A projectile lifts off where it would have to be pulled
   /// into the trough at the end of one of the step's parts, where the motion is interpolated: a
@@ -62,7 +63,7 @@ class Turns {
     LaneMask found = 0;
     if (E.trough || rule_.is_of_sling())
       found = lanes_of(turn_or_lift_off(motion, from, to).part > T(0));
-    if (stops_ && is_adaptive<Stepper>) found |= lanes_of(arm_turns(motion, from, to));
+    if (stops_ && stepper_.adaptive) found |= lanes_of(arm_turns(motion, from, to));
     return found;
   }
 
@@ -73,17 +74,16 @@ class Turns {
   /// square only, as does one of a turning point the angle there: root finding stops within
   /// sqrt(eps) of the root (as a fraction of the step) or, if that is less, 100 times the tolerance
   /// of the steps.
-  T locate(Stepper& stepper, const Motion<T, E>& motion, const Instant<T, E>& from,
-           Instant<T, E>& to) const {
+  T locate(const Motion<T, E>& motion, const Instant<T, E>& from, Instant<T, E>& to) const {
     T lifts_off(0);
     if (E.trough || rule_.is_of_sling()) {
       const SignChange<T> change = turn_or_lift_off(motion, from, to);
       const auto changes = change.part > T(0);
-      if (any(changes)) locate_turn_or_lift_off(change, stepper, motion, from, to);
+      if (any(changes)) locate_turn_or_lift_off(change, motion, from, to);
       lifts_off = select(changes & (motion.sliding() > T(0)), T(1), T(0));
     }
     const T stops = stopping(motion, from, to);
-    locate_turn_of_arm(stops, stepper, motion, from, to);
+    locate_turn_of_arm(stops, motion, from, to);
     stop(stops, motion, to);
     return lifts_off;
   }
@@ -91,7 +91,7 @@ class Turns {
   /// The lanes whose arm, which turns back within a step of fixed length, stops at its end.
   LaneMask stop_after(const Motion<T, E>& motion, const Instant<T, E>& from,
                       const Instant<T, E>& to) const {
-    return stops_ && !is_adaptive<Stepper> ? lanes_of(arm_turns(motion, from, to)) : 0;
+    return stops_ && !stepper_.adaptive ? lanes_of(arm_turns(motion, from, to)) : 0;
   }
 
   /// 1 where dry friction may hold the arm, because it turns back within the step, else 0.
@@ -124,7 +124,7 @@ class Turns {
     SignChange<T> change{T(0), T(0)};
     if (rule_.is_of_sling()) change = turn_of_sling(from, to);
     // An arm that stops at the end of the step changes the rate of phi1 - phi2 there.
-    if (stops_ && !is_adaptive<Stepper>)
+    if (stops_ && !stepper_.adaptive)
       change.part = select(arm_turns(motion, from, to), T(0), change.part);
     if constexpr (E.trough) {
       const auto slides = motion.sliding() > T(0);
@@ -138,9 +138,9 @@ class Turns {
   }
 
   /// The value is the force that is lacking.
-  static SignChange<T> find_lift_off(const Motion<T, E>& motion, const Instant<T, E>& from,
-                                     const Instant<T, E>& to) {
-    constexpr int parts = parts_to_search<Stepper>;
+  SignChange<T> find_lift_off(const Motion<T, E>& motion, const Instant<T, E>& from,
+                              const Instant<T, E>& to) const {
+    const int parts = parts_to_search(stepper_);
     const Quintic<T, E> between(from, to, step_between(from, to));
     const T end = T(-motion.normal_force(to.x, to.directions));
     SignChange<T> change{select(end >= T(0), T(1), T(0)), end};
@@ -154,9 +154,8 @@ class Turns {
     return change;
   }
 
-  void locate_turn_or_lift_off(const SignChange<T>& change, Stepper& stepper,
-                               const Motion<T, E>& motion, const Instant<T, E>& from,
-                               Instant<T, E>& to) const {
+  void locate_turn_or_lift_off(const SignChange<T>& change, const Motion<T, E>& motion,
+                               const Instant<T, E>& from, Instant<T, E>& to) const {
     using std::abs;
     const auto rate = [](const Instant<T, E>& at) { return T(at.x[w1] - at.x[w2]); };
     const T bend = from.dxdt[w1] - from.dxdt[w2];
@@ -168,8 +167,8 @@ class Turns {
         turned = select(slides, T(-motion.normal_force(at.x, at.directions)), turned);
       return select(changes, turned, T(0));
     };
-    const Instant<T, E> at = locate_within(select(changes, change.part, T(1)), change.value, value,
-                                           stepper, motion, from, to);
+    const Instant<T, E> at =
+        locate_within(select(changes, change.part, T(1)), change.value, value, motion, from, to);
     copy_where<T>(changes, to, at);
     // Without a rate, the next step does not turn at its start again.
     const T scale = T(1e3 * epsilon_) * T(abs(to.x[w1]) + abs(to.x[w2]));
@@ -190,33 +189,32 @@ class Turns {
 
   /// Of arms that stop, by an adaptive method, and of those that pass the angle of release and turn
   /// back.
-  void locate_turn_of_arm(const T& stops, Stepper& stepper, const Motion<T, E>& motion,
-                          const Instant<T, E>& from, Instant<T, E>& to) const {
+  void locate_turn_of_arm(const T& stops, const Motion<T, E>& motion, const Instant<T, E>& from,
+                          Instant<T, E>& to) const {
     const auto passes = rule_.may_turn_beyond(from, to) & !(motion.sliding() > T(0));
-    const auto rests = T(is_adaptive<Stepper> ? stops : T(0)) > T(0);
+    const auto rests = T(stepper_.adaptive ? stops : T(0)) > T(0);
     const auto turns = passes | rests;
     if (!any(turns)) return;
     const T sign = select(from.x[w1] < T(0), T(1), T(-1));
     const auto value = [&](const Instant<T, E>& at) {
       return select(turns, T(sign * at.x[w1]), T(0));
     };
-    const Instant<T, E> at =
-        locate_within(T(1), T(sign * to.x[w1]), value, stepper, motion, from, to);
+    const Instant<T, E> at = locate_within(T(1), T(sign * to.x[w1]), value, motion, from, to);
     copy_where<T>(rests | (passes & rule_.reached(at)), to, at);
   }
 
   /// Locates the root of value(instant) before a fraction of the step, at which it is `end`.
   template <class F>
-  Instant<T, E> locate_within(const T& part, const T& end, F value, Stepper& stepper,
-                              const Motion<T, E>& motion, const Instant<T, E>& from,
-                              const Instant<T, E>& to) const {
+  Instant<T, E> locate_within(const T& part, const T& end, F value, const Motion<T, E>& motion,
+                              const Instant<T, E>& from, const Instant<T, E>& to) const {
     using std::abs;
     const T start = value(from), slope = T(abs(T(end - start))) / part;
     const Bracket<T, E> bracket{from, step_between(from, to), T(0), part, T(-start / slope), slope};
-    return locate_by_secants(bracket, stepper, motion, value,
+    return locate_by_secants(bracket, stepper_, motion, value,
                              T(std::min(std::sqrt(epsilon_), 100 * tolerance_)));
   }
 
+  const AnyStepper<T, E>& stepper_;
   const double epsilon_ =
       static_cast<double>(std::numeric_limits<typename Lanes<T>::Number>::epsilon());
   const ReleaseRule<Number> rule_;

@@ -1,8 +1,0 @@
-#include "trebsweep/swing/integrate_packs.hpp"
-
-namespace trebsweep {
-
-template Work integrate_packs_with(const PackSteppers<false>&, const Scene&, const Solver&,
-                                   const Batch&, ObservedSwing*);
-
-}  // namespace trebsweep
