@@ -9,13 +9,20 @@
 namespace trebsweep {
 namespace {
 
-/// Of matrices of any size: fixed sizes would give the same numbers and take long to compile.
+// Matrices of any size: fixed sizes would give the same numbers and take long to compile.
+using EigenSolver = Eigen::EigenSolver<Eigen::MatrixXd>;
+
 std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix) {
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix, false);
+  const EigenSolver solver(matrix, false);
   return {solver.eigenvalues().begin(), solver.eigenvalues().end()};
 }
 
 }  // namespace
+
+Modes modes(const Eigen::MatrixXd& matrix) {
+  const EigenSolver solver(matrix);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
 
 std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, Solver solver) {
   solver.stepper = "rosenbrock4";

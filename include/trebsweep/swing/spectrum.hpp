@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
 #include <vector>
 
@@ -7,6 +8,14 @@
 #include "trebsweep/ode/solver.hpp"
 
 namespace trebsweep {
+
+/// The eigenvalues and eigenvectors of a matrix.
+struct Modes {
+  Eigen::VectorXcd eigenvalues;
+  Eigen::MatrixXcd eigenvectors;  ///< columns
+};
+
+Modes modes(const Eigen::MatrixXd& matrix);
 
 /// The eigenvalues (1/s) of the Jacobian at the end of a step of a swing, and the step length.
 struct Spectrum {
