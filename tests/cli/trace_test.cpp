@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/machines.hpp"
 #include "support/paper_solver.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/cli/help.hpp"
@@ -20,7 +21,6 @@ using namespace trebsweep;
 
 namespace {
 
-constexpr Design<double> optimum{0.51, 0.58, 0.91};
 constexpr Design<double> laboratory_machine{0.25, 0.87, 0.975};
 
 struct Table {
@@ -33,7 +33,7 @@ struct Table {
 
 /// What trace() or trace_flight() printed, read back.
 Table read_trace(const Job& job, std::optional<double> interval = {},
-                 const Design<double>& design = optimum, decltype(trace)* print = trace) {
+                 const Design<double>& design = paper_optimum, decltype(trace)* print = trace) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
   Table table;
   const auto [status, problems] = print(job, design, interval, file.get());
@@ -279,8 +279,8 @@ TEST_CASE("The comments say where and when heights and tensions of the rows are 
   job.solver.release = Release::crossing;
   check_least(job, sunken_machine, 1000);  // without a release
   check_least(laboratory(), laboratory_machine, 1000);
-  check_least(accurate(), optimum, 1000);
-  check_least(paper(), optimum, 1000);
+  check_least(accurate(), paper_optimum, 1000);
+  check_least(paper(), paper_optimum, 1000);
 }
 
 TEST_CASE("The least values of a trace are those of the fields") {
@@ -301,8 +301,8 @@ TEST_CASE("The least values of a trace are those of the fields") {
   elastic.scene.sling_stiffness = 1e5;
   check(sunken(), sunken_machine);
   check(laboratory(), laboratory_machine);
-  check(paper(), optimum);
-  check(elastic, optimum);
+  check(paper(), paper_optimum);
+  check(elastic, paper_optimum);
 }
 
 TEST_CASE("A projectile on the ground, in the trough or just lifted off, is not under it") {
@@ -439,7 +439,7 @@ TEST_CASE("Without a release above the ground, the table of the flight is empty"
   job.solver.release_angle = 0.5;
   job.scene.fulcrum_height = 1.2;
   job.scene.release_height = 1.7;
-  const Table buried = read_trace(job, {}, optimum, trace_flight);
+  const Table buried = read_trace(job, {}, paper_optimum, trace_flight);
   CHECK(buried.status == Status::released_below_ground);
   CHECK(buried.header == "t x3 y3 vx vy speed");
   CHECK(buried.rows.empty());
@@ -484,7 +484,7 @@ TEST_CASE("Rows between steps are as accurate as the steps") {
         CHECK(rows.rows[i].at(name) == Approx(value).epsilon(2e-8).margin(2e-8));
       }
   };
-  check(accurate(), optimum);
+  check(accurate(), paper_optimum);
   Job job = laboratory();
   job.solver.release = Release::crossing;
   check(job, laboratory_machine);
@@ -519,7 +519,8 @@ TEST_CASE("A design without an initial state is an error") {
 }
 
 TEST_CASE("An interval that would print millions of rows is an error") {
-  CHECK_THROWS_WITH(trace(accurate(), optimum, 1e-300, stderr), contains("interval = 1e-300"));
+  CHECK_THROWS_WITH(trace(accurate(), paper_optimum, 1e-300, stderr),
+                    contains("interval = 1e-300"));
   CHECK_THROWS_WITH(read_flight(laboratory(), 1e-7),
                     contains("interval = 1e-07: must be at least 2.76742e-07 s"));
 }

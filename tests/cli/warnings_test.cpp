@@ -5,6 +5,7 @@
 
 #include "support/catch.hpp"
 #include "support/paper_solver.hpp"
+#include "support/small_archive.hpp"
 #include "trebsweep/job/sample.hpp"
 #include "trebsweep/sweep/scene_optima.hpp"
 #include "trebsweep/swing/integrate.hpp"
@@ -13,7 +14,6 @@ using namespace trebsweep;
 
 namespace {
 
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 constexpr BuildValues sound{1, 1, 1, 1, 1};
 
 /// Integrates a job's whole lattice and returns its warnings.

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Job parse(const std::string& text, const Overrides& overrides = {}) {
+Job job_of(const std::string& text, const Overrides& overrides = {}) {
   return parse_job(text, "some/where/my.cfg", overrides);
 }
 
@@ -40,7 +40,7 @@ struct SceneFile {
 }  // namespace
 
 TEST_CASE("An empty job is the paper's scene and lattice with the solver of accurate.cfg") {
-  const Job job = parse("");
+  const Job job = job_of("");
   CHECK(job.scene.gravity == 9.8);
   CHECK(job.scene.counterweight_mass == 5000);
   CHECK(job.lattice.increment == 0.01);
@@ -61,8 +61,8 @@ TEST_CASE("jobs/paper.cfg sets Euler's method and the release window, and no oth
 }
 
 TEST_CASE("Options take precedence over the job file, and the job file over the defaults") {
-  const Job job = parse("[scene]\ngravity = 1.6 # on the Moon\nprojectile-mass = 50\n",
-                        {{"scene.gravity", "3.7"}, {"output.file", "mars.h5"}});
+  const Job job = job_of("[scene]\ngravity = 1.6 # on the Moon\nprojectile-mass = 50\n",
+                         {{"scene.gravity", "3.7"}, {"output.file", "mars.h5"}});
   CHECK(job.scene.gravity == 3.7);
   CHECK(job.scene.projectile_mass == 50);
   CHECK(job.scene.release_height == 2);
@@ -71,9 +71,9 @@ TEST_CASE("Options take precedence over the job file, and the job file over the 
 
 TEST_CASE("An option replaces several values by one, and one by several") {
   const std::string text = "[scene]\nprojectile-mass = 50, 60\n";
-  CHECK(parse(text, {{"scene.projectile-mass", "55"}}).outer_axes.empty());
-  CHECK(parse(text, {{"scene.projectile-mass", "55"}}).scene.projectile_mass == 55);
-  const Job job = parse(text, {{"scene.gravity", "1:3:1"}, {"scene.projectile-mass", "70, 80"}});
+  CHECK(job_of(text, {{"scene.projectile-mass", "55"}}).outer_axes.empty());
+  CHECK(job_of(text, {{"scene.projectile-mass", "55"}}).scene.projectile_mass == 55);
+  const Job job = job_of(text, {{"scene.gravity", "1:3:1"}, {"scene.projectile-mass", "70, 80"}});
   REQUIRE(job.outer_axes.size() == 2);
   CHECK(job.outer_axes[0].values == std::vector<double>{1, 2, 3});
   CHECK(job.outer_axes[1].values == std::vector<double>{70, 80});
@@ -81,10 +81,10 @@ TEST_CASE("An option replaces several values by one, and one by several") {
 }
 
 TEST_CASE("The text of a study parses to the same study") {
-  const Job job = parse(
+  const Job job = job_of(
       "[scene]\nprojectile-mass = 200, 50,100.5\nfulcrum-height = 1.4 : 1.6 : 0.1\n"
       "[output]\nmaps = none\n");
-  const Job again = parse(to_text(job));
+  const Job again = job_of(to_text(job));
   CHECK(to_text(again) == to_text(job));
   CHECK(again.output.maps == Maps::none);
   REQUIRE(again.outer_axes.size() == 2);
@@ -108,8 +108,8 @@ fields = status,speed
 storage = float32
 compression = 4
 )";
-  const Job job = parse(text);
-  CHECK(to_text(parse(to_text(job))) == to_text(job));
+  const Job job = job_of(text);
+  CHECK(to_text(job_of(to_text(job))) == to_text(job));
   CHECK(job.scene.beam_inertia == BeamInertia::prism);
   CHECK(job.lattice.r1->step == 0.003);
   CHECK(job.lattice.r3->first == 0.58);
@@ -132,7 +132,7 @@ trough-height = 0.1
 projectile-diameter = 0.05
 wind = -3
 )";
-  const Job job = parse("[scene]\n" + lab + "[solver]\nrelease = pin\npin-angle = 0.6\n");
+  const Job job = job_of("[scene]\n" + lab + "[solver]\nrelease = pin\npin-angle = 0.6\n");
   CHECK(job.scene.beam_mass == 4.86);
   CHECK(job.scene.beam_centre == -0.465);
   CHECK(job.scene.beam_moment == 1.85);
@@ -147,7 +147,7 @@ wind = -3
   CHECK(job.solver.release == Release::pin);
   CHECK(job.solver.pin_angle == 0.6);
   const std::string text = to_text(job);
-  CHECK(to_text(parse(text)) == text);
+  CHECK(to_text(job_of(text)) == text);
   for (const char* const used : {"\nstart-angle = 0.55\n", "\npin-angle = 0.6\n", "\nwind = -3\n",
                                  "\ndrag-coefficient = 0.47\n", "\nbeam-centre = -0.465\n"})
     CHECK_THAT(text, contains(used));
@@ -157,13 +157,13 @@ wind = -3
 }
 
 TEST_CASE("The text of the paper's job holds no key of built machines that it does not use") {
-  const std::string text = to_text(parse(""));
+  const std::string text = to_text(job_of(""));
   CHECK_THAT(text, contains("\ncounterweight-hanger = 0\ntrough = no\nprojectile-diameter = 0\n"));
   for (const char* const unused :
        {"beam-mass", "beam-centre", "beam-moment", "start-angle", "trough-height",
         "drag-coefficient", "air-density", "wind", "pin-angle"})
     CHECK_THAT(text, !contains(unused));
-  CHECK(parse(text).solver.release_angle == std::numbers::pi);
+  CHECK(job_of(text).solver.release_angle == std::numbers::pi);
 }
 
 TEST_CASE("Masses, heights and gravity must be above zero and of a physical magnitude") {
@@ -172,7 +172,7 @@ TEST_CASE("Masses, heights and gravity must be above zero and of a physical magn
     for (const std::string value :
          {"0", "-1", "nan", "inf", "-inf", "1e999", "1e300", "2e12", "1e-13", "1 kg", "0x10"}) {
       INFO(key << " = " << value);
-      CHECK_THROWS_WITH(parse("[scene]\n" + key + " = " + value),
+      CHECK_THROWS_WITH(job_of("[scene]\n" + key + " = " + value),
                         contains("scene." + key + " = " + value +
                                  ": must be a number above 0, from 1e-12 to 1e+12"));
     }
@@ -180,11 +180,11 @@ TEST_CASE("Masses, heights and gravity must be above zero and of a physical magn
 
 TEST_CASE(
     "An axis must reach its last value; the message gives the nearest values that it reaches") {
-  CHECK_THROWS_WITH(parse("[lattice]\nr2 = 0.5:1.0:0.3\n"),
+  CHECK_THROWS_WITH(job_of("[lattice]\nr2 = 0.5:1.0:0.3\n"),
                     contains("lattice.r2 = 0.5:1.0:0.3: must be") && contains("0.8 and 1.1"));
-  CHECK_THROWS_WITH(parse("[lattice]\nr1 = 1:1.1:0.5\n"), contains("1 and 1.5"));
-  CHECK(parse("[lattice]\nr2 = 0.5:1.1:0.3\n").lattice.r2->last == 1.1);
-  CHECK(parse("[lattice]\nr1 = 0.1:0.7:0.1\n").lattice.r1->last == 0.7);
+  CHECK_THROWS_WITH(job_of("[lattice]\nr1 = 1:1.1:0.5\n"), contains("1 and 1.5"));
+  CHECK(job_of("[lattice]\nr2 = 0.5:1.1:0.3\n").lattice.r2->last == 1.1);
+  CHECK(job_of("[lattice]\nr1 = 0.1:0.7:0.1\n").lattice.r1->last == 0.7);
 }
 
 TEST_CASE("The message about a job file name that is not a valid archive name names output.file") {
@@ -193,11 +193,11 @@ TEST_CASE("The message about a job file name that is not a valid archive name na
 }
 
 TEST_CASE("A target error replaces the tolerance of an adaptive stepper") {
-  const std::string text = to_text(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n"));
-  CHECK(to_text(parse(text)) == text);
-  CHECK(parse("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n").solver.target_error == 1e-6);
-  CHECK_THROWS_WITH(parse("[solver]\nstepper = rk4\ntarget-error = 1e-6\n"), contains("rk4"));
-  CHECK_THROWS_WITH(parse("[solver]\nstepper = dopri5\ntolerance = 1e-9\ntarget-error = 1e-6\n"),
+  const std::string text = to_text(job_of("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n"));
+  CHECK(to_text(job_of(text)) == text);
+  CHECK(job_of("[solver]\nstepper = dopri5\ntarget-error = 1e-6\n").solver.target_error == 1e-6);
+  CHECK_THROWS_WITH(job_of("[solver]\nstepper = rk4\ntarget-error = 1e-6\n"), contains("rk4"));
+  CHECK_THROWS_WITH(job_of("[solver]\nstepper = dopri5\ntolerance = 1e-9\ntarget-error = 1e-6\n"),
                     contains("solver.tolerance = 1e-9: must be left out with solver.target-error"));
 }
 
@@ -208,22 +208,22 @@ TEST_CASE(
   const Job job = parse_job(text, "jobs/my.cfg", {});
   CHECK(job.assess.scenes == std::vector<std::string>{"jobs/a.cfg", "jobs/b/c.cfg"});
   CHECK(job.assess.time_steps == std::vector{0.1, 0.01});
-  CHECK(parse(text, {{"assess.scenes", "d.cfg"}}).assess.scenes ==
+  CHECK(job_of(text, {{"assess.scenes", "d.cfg"}}).assess.scenes ==
         std::vector<std::string>{"d.cfg"});
-  CHECK(parse(text, {{"assess.scenes", ""}}).assess.scenes.empty());
+  CHECK(job_of(text, {{"assess.scenes", ""}}).assess.scenes.empty());
   CHECK_THAT(to_text(job, true), contains("time-steps = 0.1, 0.01"));
   CHECK_THAT(to_text(job), !contains("assess"));
 }
 
 TEST_CASE("By default the optimum is the fastest design, without constraints") {
-  const OptimumSpec optimum = parse("").optimum;
+  const OptimumSpec optimum = job_of("").optimum;
   CHECK(optimum.objective == Field::speed);
   CHECK(optimum.constraints.empty());
   CHECK(optimum.deviation == 0);
   CHECK(optimum.robust == Robust::no);
   CHECK_FALSE(optimum.refine);
-  CHECK_THAT(to_text(parse("")), contains("\n[optimum]\nobjective = speed\ndeviation = 0\n"
-                                          "robust = no\nrefine = no\n"));
+  CHECK_THAT(to_text(job_of("")), contains("\n[optimum]\nobjective = speed\ndeviation = 0\n"
+                                           "robust = no\nrefine = no\n"));
 }
 
 TEST_CASE("The objective and the constraints of an optimum survive a round trip through text") {
@@ -234,7 +234,7 @@ deviation = 0.005
 robust = worst
 refine = yes
 )";
-  const Job job = parse(text), again = parse(to_text(job));
+  const Job job = job_of(text), again = job_of(to_text(job));
   CHECK(to_text(again) == to_text(job));
   CHECK_THAT(to_text(job), contains("\nsubject-to = peak-beam-stress <= 120000000, peak-axle-load "
                                     "<= 150000, least-sling-tension >= 0\n"));
@@ -245,12 +245,12 @@ refine = yes
   CHECK(again.optimum.deviation == 0.005);
   CHECK(again.optimum.robust == Robust::worst);
   CHECK(again.optimum.refine);
-  CHECK(parse(text, {{"optimum.subject-to", " "}}).optimum.constraints.empty());
+  CHECK(job_of(text, {{"optimum.subject-to", " "}}).optimum.constraints.empty());
 }
 
 TEST_CASE("Spaces around a number and a leading + are allowed") {
-  CHECK(parse("", {{"scene.gravity", " +9.5 "}}).scene.gravity == 9.5);
-  CHECK_THROWS_AS(parse("", {{"scene.gravity", "+-9.5"}}), InputError);
+  CHECK(job_of("", {{"scene.gravity", " +9.5 "}}).scene.gravity == 9.5);
+  CHECK_THROWS_AS(job_of("", {{"scene.gravity", "+-9.5"}}), InputError);
 }
 
 TEST_CASE("jobs/paper.cfg and jobs/assess.cfg show every key") {
@@ -261,11 +261,11 @@ TEST_CASE("jobs/paper.cfg and jobs/assess.cfg show every key") {
 }
 
 TEST_CASE("The message about an unknown key lists the known ones") {
-  CHECK_THROWS_WITH(parse("[scene]\ncolour = red\n"),
+  CHECK_THROWS_WITH(job_of("[scene]\ncolour = red\n"),
                     contains("scene.colour") && contains("counterweight-mass"));
-  CHECK_THROWS_WITH(parse("[sceen]\ngravity = 1\n"),
+  CHECK_THROWS_WITH(job_of("[sceen]\ngravity = 1\n"),
                     contains("sceen.gravity") && contains("scene, lattice, solver, output"));
-  CHECK_THROWS_AS(parse("gravity = 1\n"), InputError);
+  CHECK_THROWS_AS(job_of("gravity = 1\n"), InputError);
 }
 
 TEST_CASE("A scene key is taken from the first of the option, its file, the job and its file") {
@@ -293,26 +293,26 @@ TEST_CASE("A scene key is taken from the first of the option, its file, the job 
   CHECK(job.scene.beam_side == 2);
   CHECK(job.scene.beam_density == 3);
   CHECK(job.scene_files == std::vector<std::string>{of_option.path, of_job.path});
-  CHECK(parse(to_text(job)).scene.sling_mass == 2);  // the archive needs no other file
+  CHECK(job_of(to_text(job)).scene.sling_mass == 2);  // the archive needs no other file
 }
 
 TEST_CASE("scene_text names the scene files and the keys that differ from their defaults") {
-  CHECK(scene_text(parse("")) == "the paper's (all keys at their defaults)");
-  CHECK(scene_text(parse("[scene]\ngravity = 9.8\nprojectile-mass = 50\n")) ==
+  CHECK(scene_text(job_of("")) == "the paper's (all keys at their defaults)");
+  CHECK(scene_text(job_of("[scene]\ngravity = 9.8\nprojectile-mass = 50\n")) ==
         "projectile-mass = 50");
-  CHECK(scene_text(parse("[scene]\nstart-angle = 0.9\ntrough = yes\n")) ==
+  CHECK(scene_text(job_of("[scene]\nstart-angle = 0.9\ntrough = yes\n")) ==
         "start-angle = 0.9, trough = yes");
   const SceneFile scene("job_test_scene.cfg", "sling-mass = 3\n");
-  CHECK(scene_text(parse("", {{scene_file_key, scene.path}})) ==
+  CHECK(scene_text(job_of("", {{scene_file_key, scene.path}})) ==
         scene.path.string() + ": sling-mass = 3");
 }
 
 TEST_CASE("solver_text names the step or tolerance and the release condition") {
-  CHECK(solver_text(parse("").solver) == "vern8, tolerance 8e-09, release at phi1 = pi");
+  CHECK(solver_text(job_of("").solver) == "vern8, tolerance 8e-09, release at phi1 = pi");
   CHECK(solver_text(read("paper.cfg").solver) ==
         "euler, time step 0.01 s, release at the first step with |pi - phi1| < 0.05");
   const auto release_of = [](const std::string& keys) {
-    return solver_text(parse("[solver]\nrelease = " + keys).solver);
+    return solver_text(job_of("[solver]\nrelease = " + keys).solver);
   };
   CHECK_THAT(release_of("crossing\nrelease-angle = 3.5"), contains(", release at phi1 = 3.5"));
   CHECK_THAT(release_of("pin\npin-angle = 0.6"), contains(", release by a pin at 0.6 rad"));
@@ -322,13 +322,13 @@ TEST_CASE("solver_text names the step or tolerance and the release condition") {
 
 TEST_CASE("A scene file holds only keys of a scene, and names no other file") {
   const SceneFile nested("job_test_nested.cfg", "file = other.cfg\n");
-  CHECK_THROWS_WITH(parse("", {{scene_file_key, nested.path}}),
+  CHECK_THROWS_WITH(job_of("", {{scene_file_key, nested.path}}),
                     contains("scene.file = " + nested.path.string() +
                              ": must be a file that does not name another scene file"));
   const SceneFile solver("job_test_solver.cfg", "[solver]\nstepper = rk4\n");
-  CHECK_THROWS_WITH(parse("", {{scene_file_key, solver.path}}),
+  CHECK_THROWS_WITH(job_of("", {{scene_file_key, solver.path}}),
                     contains("scene.file") && contains("without solver.stepper"));
-  CHECK_THROWS_WITH(parse("[scene]\nfile = nowhere.cfg\n"), contains("some/where/nowhere.cfg"));
+  CHECK_THROWS_WITH(job_of("[scene]\nfile = nowhere.cfg\n"), contains("some/where/nowhere.cfg"));
 }
 
 TEST_CASE(
@@ -343,28 +343,28 @@ TEST_CASE(
 
 TEST_CASE("The axes that a trough has by default are part of the job and of its text") {
   const std::string trough = "[scene]\nstart-angle = 0.8\ntrough = yes\n";
-  const Job job = parse(trough);
+  const Job job = job_of(trough);
   const std::string text = to_text(job);
   CHECK_THAT(text, contains("\nincrement = 0.05\n") && contains("\nr3 = 0.6:3.3:0.05\n") &&
                        contains("\nr2 = 0.6:3.3:0.05\n") && !contains("\nr1 = "));
-  CHECK(to_text(parse(text)) == text);
+  CHECK(to_text(job_of(text)) == text);
   // The same lattice, given, is the same job, so that its archive can be continued.
-  CHECK(to_text(parse(trough + "[lattice]\nincrement = 0.05\nr3 = 0.6:3.3:0.05\n")) == text);
-  CHECK_THAT(to_text(parse(trough + "[lattice]\nincrement = 0.1\n")),
+  CHECK(to_text(job_of(trough + "[lattice]\nincrement = 0.05\nr3 = 0.6:3.3:0.05\n")) == text);
+  CHECK_THAT(to_text(job_of(trough + "[lattice]\nincrement = 0.1\n")),
              contains("\nr3 = 0.6:3.3:0.1\n") && contains("\nr2 = 0.6:3.3:0.1\n"));
   const std::string given = "increment = 0.02\nshortest-sling = 0.3\nr3 = 1.2\nr2 = 1:2:0.5\n";
-  CHECK_THAT(to_text(parse(trough + "[lattice]\n" + given)), contains("[lattice]\n" + given));
-  CHECK_FALSE(parse("[scene]\nstart-angle = 0.8\n").lattice.r3);
+  CHECK_THAT(to_text(job_of(trough + "[lattice]\n" + given)), contains("[lattice]\n" + given));
+  CHECK_FALSE(job_of("[scene]\nstart-angle = 0.8\n").lattice.r3);
 }
 
 TEST_CASE("trough_axes_text names the axes that a trough has by default, and no others") {
   const auto axes_of = [](const std::string& lattice) {
-    return trough_axes_text(parse("[scene]\ntrough = yes\n[lattice]\n" + lattice));
+    return trough_axes_text(job_of("[scene]\ntrough = yes\n[lattice]\n" + lattice));
   };
   CHECK(axes_of("") == "r3 = 0.6:3.3:0.05, r2 = 0.6:3.3:0.05 m (default with a trough)");
   CHECK(axes_of("r3 = 1.2\n") == "r2 = 0.6:3.3:0.05 m (default with a trough)");
   CHECK(axes_of("r3 = 1.2\nr2 = 1.3\n").empty());
-  CHECK(trough_axes_text(parse("")).empty());
+  CHECK(trough_axes_text(job_of("")).empty());
 }
 
 TEST_CASE("Every job file in jobs/ is valid") {
@@ -379,7 +379,7 @@ TEST_CASE("Every job file in jobs/ is valid") {
 TEST_CASE("In the line about the scene, a long list of values is described") {
   std::string masses = "50";
   for (int mass = 51; mass <= 100; ++mass) masses += fmt::format(", {}", mass);
-  CHECK(scene_text(parse("[scene]\nprojectile-mass = " + masses)) ==
+  CHECK(scene_text(job_of("[scene]\nprojectile-mass = " + masses)) ==
         "projectile-mass = 51 values from 50 to 100");
-  CHECK(scene_text(parse("[scene]\nprojectile-mass = 50, 60")) == "projectile-mass = 50, 60");
+  CHECK(scene_text(job_of("[scene]\nprojectile-mass = 50, 60")) == "projectile-mass = 50, 60");
 }

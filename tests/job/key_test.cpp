@@ -1,17 +1,10 @@
 #include "trebsweep/job/key.hpp"
 
+#include "job/parse.hpp"
 #include "support/catch.hpp"
 #include "trebsweep/base/error.hpp"
 
 using namespace trebsweep;
-
-namespace {
-
-Job parse(const std::string& text, const Overrides& overrides = {}) {
-  return parse_job(text, "my.cfg", overrides);
-}
-
-}  // namespace
 
 TEST_CASE("The message about an invalid value names the key and the value, for every key") {
   for (const Key& key : job_keys()) {

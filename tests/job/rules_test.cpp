@@ -2,16 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "job/parse.hpp"
 #include "support/catch.hpp"
 #include "trebsweep/base/error.hpp"
 
 using namespace trebsweep;
 
 namespace {
-
-Job parse(const std::string& text, const Overrides& overrides = {}) {
-  return parse_job(text, "my.cfg", overrides);
-}
 
 Job parse_scene(const std::string& keys) { return parse("[scene]\n" + keys); }
 

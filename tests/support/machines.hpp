@@ -14,6 +14,9 @@ struct Machine {
   Design<double> design;
 };
 
+/// The optimum of the paper's lattice.
+inline constexpr Design<double> paper_optimum{0.51, 0.58, 0.91};
+
 /// Machines whose swings three independent programs have computed: A, the laboratory machine of
 /// arXiv:2502.19442; A2, the same with its light projectile; B, the paper's optimum; C, B with a
 /// hanger; D, a siege machine; E, D with a fixed counterweight.
@@ -33,7 +36,7 @@ inline Machine machine(const std::string& name) {
     return {scene, {0.25, 0.87, 0.975}};
   }
   if (name == "B" || name == "C") {
-    const Design<double> design{0.51, 0.58, 0.91};
+    const Design<double> design = paper_optimum;
     if (name == "C") {
       scene.start_angle = std::acos((scene.release_height - scene.fulcrum_height) / design.r1);
       scene.counterweight_hanger = 0.3;

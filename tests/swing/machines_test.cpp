@@ -52,7 +52,7 @@ Solver solver_with(Release release, const std::string& stepper = "vern8",
   return solver;
 }
 
-constexpr std::array fields{Field::lift_off_time, Field::range};
+constexpr std::array fields_of_machines{Field::lift_off_time, Field::range};
 
 struct Found {
   SwingResult result;
@@ -63,7 +63,7 @@ struct Found {
 Found swing_alone(const Machine& m, const Solver& solver) {
   std::array<double, 2> values;
   const SwingResult result = with_general_effects(m.scene, [&]<Effects E>() {
-    return result_of(swing<E>(m.scene, m.design, solver, {}, fields, values), values);
+    return result_of(swing<E>(m.scene, m.design, solver, {}, fields_of_machines, values), values);
   });
   return {result, values[0], values[1]};
 }
@@ -72,7 +72,7 @@ Found swing_alone(const Machine& m, const Solver& solver) {
 Found swing_in_pack(const Machine& m, const Solver& solver) {
   std::array<double, 2> values;
   SwingResult result;
-  integrate(m.scene, solver, {{&m.design, 1}, {&result, 1}, fields, values});
+  integrate(m.scene, solver, {{&m.design, 1}, {&result, 1}, fields_of_machines, values});
   return {result, values[0], values[1]};
 }
 

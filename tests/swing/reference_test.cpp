@@ -13,8 +13,6 @@ using namespace trebsweep;
 
 namespace {
 
-const Design<double> optimum{0.51, 0.58, 0.91};
-
 Scene elastic_scene() {
   Scene scene;
   scene.sling_mass = 1;
@@ -61,7 +59,7 @@ TEST_CASE("References agree with other programs") {
 }
 
 TEST_CASE("Extended precision agrees with a reference to the last digit of a double") {
-  for (const Design<double>& design : {optimum, Design<double>{0.75, 3, 4}}) {
+  for (const Design<double>& design : {paper_optimum, Design<double>{0.75, 3, 4}}) {
     const double truth = reference(Scene{}, design, Solver{}).speed;
     CHECK(std::abs(speed_in_extended_precision(Scene{}, design, 1e-15, Solver{}) - truth) <
           4e-16 * truth);
@@ -81,9 +79,9 @@ TEST_CASE(
 TEST_CASE("Accurate speeds are those of another stepper than the job's") {
   for (const Scene& scene : {Scene{}, elastic_scene()})
     for (const std::string job : {"fehlberg78", "dopri5", "vern8"}) {
-      const double accurate = accurate_speed(job, scene, optimum);
-      CHECK(accurate != speed_by(job, scene, optimum));
-      CHECK(std::abs(accurate - speed_by(job, scene, optimum)) < 1e-10);
+      const double accurate = accurate_speed(job, scene, paper_optimum);
+      CHECK(accurate != speed_by(job, scene, paper_optimum));
+      CHECK(std::abs(accurate - speed_by(job, scene, paper_optimum)) < 1e-10);
     }
 }
 
@@ -109,7 +107,7 @@ std::vector<Machine> machines() {
   backyard.scene.trough_height = 0.03;
   backyard.scene.projectile_diameter = 0.13;
   backyard.design = {0.607761, 1.648506, 1.769181};
-  return {machine("A"), machine("B"), machine("D"), backyard, {elastic_scene(), optimum}};
+  return {machine("A"), machine("B"), machine("D"), backyard, {elastic_scene(), paper_optimum}};
 }
 
 /// The accurate values of all quantities of some designs; element [f][n] is field f of design n.
@@ -168,8 +166,8 @@ TEST_CASE("References agree with quadruple precision within their bounds") {
     solver.tolerance = 1e-16;
     const auto fields = quantities();
     std::vector<double> values(fields.size());
-    const auto swing =
-        swing_by(any_stepper<Quad, E, Vern8<Quad, E>>(), m.scene, m.design, solver, {}, fields, values);
+    const auto swing = swing_by(any_stepper<Quad, E, Vern8<Quad, E>>(), m.scene, m.design, solver,
+                                {}, fields, values);
     const auto references = reference_values(m.scene, m.design, solver, fields);
     for (std::size_t f = 0; f < fields.size(); ++f) {
       const double truth = fields[f] == Field::speed          ? static_cast<double>(swing.speed)
@@ -207,9 +205,9 @@ TEST_CASE("Accurate values along a line of designs are smooth to 1e-12") {
 }
 
 TEST_CASE("The values of a reference include its speed and time of release") {
-  const Reference r = reference(Scene{}, optimum, Solver{});
-  const auto values =
-      reference_values(Scene{}, optimum, Solver{}, std::vector{Field::release_time, Field::speed});
+  const Reference r = reference(Scene{}, paper_optimum, Solver{});
+  const auto values = reference_values(Scene{}, paper_optimum, Solver{},
+                                       std::vector{Field::release_time, Field::speed});
   CHECK(values[0].value == static_cast<double>(r.release_time));
   CHECK(values[1].value == r.speed);
 }
@@ -217,14 +215,14 @@ TEST_CASE("The values of a reference include its speed and time of release") {
 TEST_CASE("A reference without a release has a status and no speed") {
   Scene scene;
   scene.projectile_mass = 5000;
-  const Reference r = reference(scene, optimum, paper_solver());
+  const Reference r = reference(scene, paper_optimum, paper_solver());
   CHECK(r.status == Status::not_released);
   CHECK(std::isnan(r.speed));
   CHECK(std::isnan(r.speed_bound));
   const std::vector<Field> fields{Field::speed, Field::peak_axle_load};
-  for (const auto [value, bound] : reference_values(scene, optimum, paper_solver(), fields)) {
+  for (const auto [value, bound] : reference_values(scene, paper_optimum, paper_solver(), fields)) {
     CHECK(std::isnan(value));
     CHECK(std::isnan(bound));
   }
-  CHECK(std::isnan(speed_in_extended_precision(scene, optimum, 1e-13, paper_solver())));
+  CHECK(std::isnan(speed_in_extended_precision(scene, paper_optimum, 1e-13, paper_solver())));
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/machines.hpp"
 #include "trebsweep/job/sample.hpp"
 #include "trebsweep/model/start.hpp"
 #include "trebsweep/swing/advance.hpp"
@@ -16,9 +17,7 @@ using namespace trebsweep;
 
 namespace {
 
-constexpr Design<double> optimum{0.51, 0.58, 0.91};
-
-Solver accurate(double tolerance) {
+Solver by_fehlberg78(double tolerance) {
   Solver solver;
   solver.stepper = "fehlberg78";
   solver.tolerance = tolerance;
@@ -31,7 +30,7 @@ std::vector<double> values_of(const Scene& scene, const std::vector<Field>& fiel
                               double tolerance = 1e-10) {
   std::vector<double> values(fields.size());
   const double speed = with_general_effects(scene, [&]<Effects E>() {
-    return swing<E>(scene, optimum, accurate(tolerance), {}, fields, values).speed;
+    return swing<E>(scene, paper_optimum, by_fehlberg78(tolerance), {}, fields, values).speed;
   });
   values.push_back(speed);
   return values;
@@ -148,14 +147,14 @@ TEST_CASE("Recorded peaks of every stepper equal those of a fine sampling of its
   for (const Scene& scene : {Scene{}, friction, elastic})
     with_general_effects(scene, [&]<Effects E>() {
       auto designs = sample(Lattice(scene, LatticeSpec()), 6);
-      designs.push_back(optimum);
+      designs.push_back(paper_optimum);
       const double weight = scene.projectile_mass * scene.gravity;
       for (const Design<double>& design : designs)
         for (const auto name : stepper_names) {
           const bool adaptive = follows_tolerance(name);
           for (const double accuracy : adaptive ? std::array{1e-4, 1e-6, 1e-8, 1e-10, 1e-12}
                                                 : std::array{1e-2, 3e-3, 1e-3, 3e-4, 1e-4}) {
-            Solver solver = accurate(accuracy);
+            Solver solver = by_fehlberg78(accuracy);
             solver.stepper = name;
             solver.time_step = accuracy;
             solver.max_time = 3;
@@ -198,7 +197,7 @@ TEST_CASE("Loads of a design are bitwise independent of the rest of the batch") 
   };
   for (const Scene& scene : {Scene{}, elastic})
     for (const double tolerance : {1e-6, 1e-9}) {  // steps in two parts, and whole
-      const Solver solver = accurate(tolerance);
+      const Solver solver = by_fehlberg78(tolerance);
       const auto together = loads(scene, solver, designs);
       for (std::size_t n = 0; n < designs.size(); ++n) {
         const auto alone = loads(scene, solver, std::span(designs).subspan(n, 1));
@@ -266,7 +265,7 @@ TEST_CASE(
                                   Field::range};
   std::vector<SwingResult> results(designs.size());
   std::vector<double> values(designs.size() * fields.size());
-  integrate(scene, accurate(1e-9), {designs, results, fields, values});
+  integrate(scene, by_fehlberg78(1e-9), {designs, results, fields, values});
   int forwards = 0, backwards = 0;
   for (std::size_t n = 0; n < designs.size(); ++n) {
     if (results[n].status != Status::released) continue;
@@ -297,10 +296,10 @@ TEST_CASE("A sling under tension throughout is taut; one that would have to push
 TEST_CASE("A beam held by dry friction stays at rest and has no release") {
   Scene scene;
   scene.pivot_friction = 1e6;
-  const auto outcome = swing<general_effects[0]>(scene, optimum, accurate(1e-9));
+  const auto outcome = swing<general_effects[0]>(scene, paper_optimum, by_fehlberg78(1e-9));
   CHECK(outcome.status == Status::not_released);
   CHECK(outcome.x[w1] == 0);
-  CHECK(outcome.x[phi1] == start<double>(scene, optimum)[phi1]);
+  CHECK(outcome.x[phi1] == start<double>(scene, paper_optimum)[phi1]);
 }
 
 TEST_CASE("Friction brings an oscillating arm to rest") {
@@ -308,10 +307,10 @@ TEST_CASE("Friction brings an oscillating arm to rest") {
   scene.projectile_mass = 3600;  // too heavy: the arm turns back before pi
   scene.pivot_friction = 3000;
   scene.pivot_viscosity = 20000;
-  Solver solver = accurate(1e-8);
+  Solver solver = by_fehlberg78(1e-8);
   solver.max_time = 60;
   solver.stepper = "dopri5";
-  const auto outcome = swing<general_effects[0]>(scene, optimum, solver);
+  const auto outcome = swing<general_effects[0]>(scene, paper_optimum, solver);
   CHECK(outcome.status == Status::not_released);
   CHECK(std::abs(outcome.x[w1]) < 1e-6);
 }
@@ -323,7 +322,8 @@ TEST_CASE("A release below the ground has its own status and no range") {
   scene.fulcrum_height = 0.1;
   scene.release_height = 0.5;
   const Design<double> deep{0.51, 3, 0.4};
-  const auto result = swing<general_effects[0]>(scene, deep, accurate(1e-9), {}, fields, values);
+  const auto result =
+      swing<general_effects[0]>(scene, deep, by_fehlberg78(1e-9), {}, fields, values);
   REQUIRE(scene.fulcrum_height + Mechanism<double>(scene, deep).projectile(result.x).y < 0);
   CHECK(result.status == Status::released_below_ground);
   CHECK(std::isnan(values[0]));
