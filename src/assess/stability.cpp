@@ -230,16 +230,14 @@ Growth growth_with(const std::string& stepper, const Scene& scene, const Design<
   const Mechanism<double, E> mechanism(scene, design);
   State<double, E> hanging{};
   hanging[phi1] = boost::math::double_constants::pi;
-  const auto [eigenvalues, eigenvectors] = modes(jacobian(motion, hanging));
-  Eigen::Index fastest = 0;
-  eigenvalues.imag().maxCoeff(&fastest);
-  const Complex eigenvalue = eigenvalues[fastest];
+  const std::vector<Mode> all = modes(jacobian(motion, hanging));
+  const auto& [eigenvalue, eigenvector] =
+      *std::ranges::max_element(all, {}, [](const Mode& mode) { return mode.eigenvalue.imag(); });
   const auto steps = static_cast<std::uint64_t>(std::ceil(time / h));
 
   constexpr double small = 1e-3;  // rad: a relative error of 1e-6 in the linearized energy
   State<double, E> x = hanging;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    x[i] += small * eigenvectors(static_cast<Eigen::Index>(i), fastest).real();
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += small * eigenvector[i].real();
   const auto energy = [&](const State<double, E>& state) {
     return mechanism.energy(state) - mechanism.energy(hanging);
   };

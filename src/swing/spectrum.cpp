@@ -19,9 +19,13 @@ std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix) {
 
 }  // namespace
 
-Modes modes(const Eigen::MatrixXd& matrix) {
+std::vector<Mode> modes(const Eigen::MatrixXd& matrix) {
   const EigenSolver solver(matrix);
-  return {solver.eigenvalues(), solver.eigenvectors()};
+  const Eigen::MatrixXcd vectors = solver.eigenvectors();
+  std::vector<Mode> modes;
+  for (Eigen::Index i = 0; i < vectors.cols(); ++i)
+    modes.push_back({solver.eigenvalues()(i), {vectors.col(i).begin(), vectors.col(i).end()}});
+  return modes;
 }
 
 std::vector<Spectrum> spectra(const Scene& scene, const Design<double>& design, Solver solver) {

@@ -9,13 +9,14 @@
 
 namespace trebsweep {
 
-/// The eigenvalues and eigenvectors of a matrix.
-struct Modes {
-  Eigen::VectorXcd eigenvalues;
-  Eigen::MatrixXcd eigenvectors;  ///< columns
+/// An eigenvalue of a matrix and its eigenvector. Not of Eigen's types, whose memory code with
+/// sanitizers cannot free.
+struct Mode {
+  std::complex<double> eigenvalue;
+  std::vector<std::complex<double>> eigenvector;
 };
 
-Modes modes(const Eigen::MatrixXd& matrix);
+std::vector<Mode> modes(const Eigen::MatrixXd& matrix);
 
 /// The eigenvalues (1/s) of the Jacobian at the end of a step of a swing, and the step length.
 struct Spectrum {
