@@ -230,7 +230,8 @@ Growth growth_with(const std::string& stepper, const Scene& scene, const Design<
   const Mechanism<double, E> mechanism(scene, design);
   State<double, E> hanging{};
   hanging[phi1] = boost::math::double_constants::pi;
-  const std::vector<Mode> all = modes(jacobian(motion, hanging));
+  const Jacobian<E> matrix = jacobian(motion, hanging);
+  const std::vector<Mode> all = modes({matrix.data(), static_cast<std::size_t>(matrix.size())});
   const auto& [eigenvalue, eigenvector] =
       *std::ranges::max_element(all, {}, [](const Mode& mode) { return mode.eigenvalue.imag(); });
   const auto steps = static_cast<std::uint64_t>(std::ceil(time / h));

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 #include "trebsweep/model/jacobian.hpp"
 #include "trebsweep/swing/swing.hpp"
@@ -19,8 +20,9 @@ std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& matrix) {
 
 }  // namespace
 
-std::vector<Mode> modes(const Eigen::MatrixXd& matrix) {
-  const EigenSolver solver(matrix);
+std::vector<Mode> modes(std::span<const double> matrix) {
+  const auto n = static_cast<Eigen::Index>(std::lround(std::sqrt(matrix.size())));
+  const EigenSolver solver(Eigen::Map<const Eigen::MatrixXd>(matrix.data(), n, n));
   const Eigen::MatrixXcd vectors = solver.eigenvectors();
   std::vector<Mode> modes;
   for (Eigen::Index i = 0; i < vectors.cols(); ++i)

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <complex>
+#include <span>
 #include <vector>
 
 #include "trebsweep/model/scene.hpp"
@@ -9,14 +9,16 @@
 
 namespace trebsweep {
 
-/// An eigenvalue of a matrix and its eigenvector. Not of Eigen's types, whose memory code with
-/// sanitizers cannot free.
+// Not in Eigen's matrices of variable size, whose memory code with sanitizers cannot free.
+
+/// An eigenvalue of a matrix and its eigenvector.
 struct Mode {
   std::complex<double> eigenvalue;
   std::vector<std::complex<double>> eigenvector;
 };
 
-std::vector<Mode> modes(const Eigen::MatrixXd& matrix);
+/// Those of a square matrix, which is given column by column.
+std::vector<Mode> modes(std::span<const double> matrix);
 
 /// The eigenvalues (1/s) of the Jacobian at the end of a step of a swing, and the step length.
 struct Spectrum {
