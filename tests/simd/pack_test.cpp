@@ -51,8 +51,7 @@ std::vector<Outcome<double, E>> integrate_all(const Solver& solver, const Scene&
   };
   const auto done = [&](std::uint64_t number, const auto& o) { outcomes[number] = o; };
   const auto stepper = any_stepper<T, E, Stepper>();
-  Swings<T, E, decltype(next), decltype(done)>(scene, solver, stepper, {}, {}, next, done)
-      .run();
+  Swings<T, E, decltype(next), decltype(done)>(scene, solver, stepper, {}, {}, next, done).run();
   return outcomes;
 }
 
