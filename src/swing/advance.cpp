@@ -1,5 +1,6 @@
 #include "trebsweep/swing/advance.hpp"
 
+#include <algorithm>
 #include <memory>
 
 #include "trebsweep/ode/steppers.hpp"

@@ -18,11 +18,12 @@ using PlainAdvance = std::function<PlainInstant(bool sliding, const PlainInstant
 /// kernel, with the bits of a lattice's designs.
 PlainAdvance plain_advance(const Scene& scene, const Design<double>& design, const Solver& solver);
 
-/// advance(motion, from, h) is the same for the motion of the design.
+/// The same with states of the effects E: advance(motion, from, h), with the design's motion.
 template <Effects E>
 using Advance = std::function<Instant<double, E>(const Motion<double, E>& motion,
                                                  const Instant<double, E>& from, double h)>;
 
+/// plain_advance() as such a function; E must be the effects of the scene.
 template <Effects E>
 Advance<E> make_advance(const Scene& scene, const Design<double>& design, const Solver& solver) {
   return [advance = plain_advance(scene, design, solver)](
