@@ -58,7 +58,7 @@ class NloptProblem {
   void evaluate(const VectorXd& x) {
     if (at_.size() > 0 && x == at_) return;
     at_ = x;
-    expansion_ = expand(program_.functions, x, {1e-3, 3}, false);
+    expansion_ = expand(program_.functions, x, quick_steps, false);
     const Point point = point_of(program_, x, expansion_.values);
     if (best_.x.size() == 0 || is_better(point, best_)) best_ = point;
   }

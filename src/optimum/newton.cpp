@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "trebsweep/optimum/derivatives.hpp"
@@ -22,9 +23,9 @@ struct Inequalities {
   std::vector<MatrixXd> hessians;  // with respect to x; of the objectives and constraints
 };
 
-Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x) {
+Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x, const Steps& steps) {
   const Index n = program.variables(), functions = program.objectives + program.constraints;
-  const Expansion e = expand(program.functions, x, accurate_steps, true);
+  const Expansion e = expand(program.functions, x, steps, true);
   Inequalities c{VectorXd(functions + 2 * n), MatrixXd::Zero(functions + 2 * n, n + 1), e.hessians};
   const double t = e.values.head(program.objectives).minCoeff();
   c.values << t - e.values.head(program.objectives).array(), e.values.tail(program.constraints),
@@ -104,6 +105,17 @@ bool has_derivatives(Inequalities& c) {
   return c.values.allFinite();
 }
 
+/// The inequalities at a point, with derivatives good enough for a step of about this length;
+/// nothing if they have none.
+std::optional<Inequalities> model(const NonlinearProgram& program, const VectorXd& x,
+                                  double length) {
+  constexpr double close = 1e-4;
+  if (length > close)
+    if (auto c = inequalities(program, x, quick_steps); has_derivatives(c)) return c;
+  auto c = inequalities(program, x, accurate_steps);
+  return has_derivatives(c) ? std::optional(c) : std::nullopt;
+}
+
 /// The inequalities that a small change of x may make active.
 std::vector<Index> nearly_active(const NonlinearProgram& program, const Inequalities& c) {
   constexpr double near = 1e-3;
@@ -126,13 +138,13 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   constexpr double max_residual = 1e-6, max_loss = 1e-8, max_reach = 0.05;
   const Index n = program.variables();
   KktPoint solution{start, VectorXd::Zero(program.constraints + 2 * n), false};
-  Inequalities c = inequalities(program, start.x);
-  if (!has_derivatives(c)) return solution;
-  std::vector<Index> active = nearly_active(program, c);
-  VectorXd multipliers = VectorXd::Unit(c.values.size(), active.front());
   double reach = max_reach;  // the longest step allowed
+  std::optional<Inequalities> c = model(program, start.x, reach);
+  if (!c) return solution;
+  std::vector<Index> active = nearly_active(program, *c);
+  VectorXd multipliers = VectorXd::Unit(c->values.size(), active.front());
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    const Step step = step_with_active_set(c, multipliers, active);
+    const Step step = step_with_active_set(*c, multipliers, active);
     const VectorXd d = step.d.head(n);
     const double length = d.norm();
     if (!std::isfinite(length)) return solution;
@@ -150,8 +162,8 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
     solution = {point, multipliers.tail(solution.multipliers.size()),
                 length < converged && step.residual < max_residual};
     if (length < enough) break;
-    c = inequalities(program, x);
-    if (!has_derivatives(c)) {
+    c = model(program, x, length);
+    if (!c) {
       solution.converged = false;
       break;
     }
