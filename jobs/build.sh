@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 packages=(cmake g++ libboost-dev libboost-program-options-dev libeigen3-dev libfmt-dev libhdf5-openmpi-dev
-          libnlopt-cxx-dev libopenmpi-dev libxxhash-dev ninja-build nlohmann-json3-dev openmpi-bin python3-h5py
+          libopenmpi-dev libxxhash-dev ninja-build nlohmann-json3-dev openmpi-bin python3-h5py
           python3-matplotlib python3-numpy)
 options=(-DTREBSWEEP_TESTS=OFF) # other cached options are kept, which avoids a rebuild
 if [[ ${1:-} == --tests ]]; then

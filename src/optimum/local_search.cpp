@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-
-#include "trebsweep/optimum/mma.hpp"
 
 namespace trebsweep {
 namespace {
@@ -70,23 +67,19 @@ Point point_with_values(const NonlinearProgram& program, const VectorXd& x) {
   return point;
 }
 
-/// Newton's solution from a point that violates the constraints little, unless it fails or leads
-/// away.
-std::optional<KktPoint> polished(const NonlinearProgram& program, const Point& near) {
-  constexpr double little = 0.01;
-  if (!(near.violation <= little)) return std::nullopt;
+/// Newton's solution from a point, or the point itself if the method fails or leads away.
+KktPoint polished(const NonlinearProgram& program, const Point& near) {
   const KktPoint found = solve_kkt(program, near);
   if (found.converged && !is_clearly_better(near, found.point)) return found;
-  return std::nullopt;
+  return {near, VectorXd::Zero(program.constraints + 2 * program.variables()), false};
 }
 
 KktPoint search_once(const NonlinearProgram& program, const Point& start, Effort effort) {
-  const Point near = search_by_mma(program, start.x);
-  if (const auto found = polished(program, near)) return *found;
-  const VectorXd none = VectorXd::Zero(program.constraints + 2 * program.variables());
-  if (effort == Effort::quick) return {near, none, false};
-  const Point zoomed = zoom(program, near);
-  return polished(program, zoomed).value_or(KktPoint{zoomed, none, false});
+  constexpr double little = 0.01;  // a violation from which Newton's method does not lead away
+  const bool near = start.violation <= little;
+  const KktPoint found = polished(program, near ? start : zoom(program, start));
+  if (found.converged || !near || effort == Effort::quick) return found;
+  return polished(program, zoom(program, start));
 }
 
 }  // namespace

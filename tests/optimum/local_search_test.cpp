@@ -2,7 +2,6 @@
 
 #include "optimum/programs.hpp"
 #include "support/catch.hpp"
-#include "trebsweep/optimum/mma.hpp"
 
 using namespace trebsweep;
 using Eigen::VectorXd;
@@ -59,7 +58,7 @@ TEST_CASE("A search is bitwise reproducible, whatever the memory held before") {
   };
   const auto find = [&](double remains) {
     for (std::size_t size = 1; size < 200; ++size) std::vector<double>(size, remains);
-    return search_by_mma(program_of(values, 3, 1, {-1, -1}, {4, 4}), vector({0.5, 0.7})).x;
+    return search(program_of(values, 3, 1, {-1, -1}, {4, 4}), vector({0.5, 0.7})).point.x;
   };
   const VectorXd first = find(0);
   for (const double remains : {1.0, -3.0, 1e3}) CHECK(find(remains) == first);

@@ -9,8 +9,9 @@ namespace trebsweep {
 /// points around the result.
 enum class Effort { quick, thorough };
 
-/// The local optimum that a search from x reaches. MMA comes close to it and Newton's method makes
-/// it exact. The best point of a small lattice around it must not be better; otherwise the search
+/// The local optimum that a search from x reaches, by Newton's method or, where that fails or x
+/// violates the constraints, by lattices of decreasing spacing and Newton's method from their best
+/// point. The best point of a small lattice around it must not be better; otherwise the search
 /// continues from there. Without a feasible point, the one with the smallest violation. Not
 /// converged where the constraints are violated, or where Newton's method fails, because functions
 /// have a kink or no value next to the optimum; its multipliers are then zero.

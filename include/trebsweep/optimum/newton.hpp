@@ -16,8 +16,8 @@ struct KktPoint {
 };
 
 /// Newton's method for the conditions of Karush, Kuhn and Tucker, with an active set of constraints
-/// and bounds, from a point close to a local optimum. (Nocedal and Wright, Numerical Optimization,
-/// chapters 16 and 18.)
+/// and bounds, from a point that violates the constraints little. (Nocedal and Wright, Numerical
+/// Optimization, chapters 16 and 18.)
 KktPoint solve_kkt(const NonlinearProgram& program, const Point& start);
 
 }  // namespace trebsweep
