@@ -122,7 +122,13 @@ class ScriptTest(DirectoryTest):
         return done
 
     def assert_picture(self, name, suffix=None):
-        self.assertTrue(self.read(name).startswith(SIGNATURES[suffix or name.rsplit(".", 1)[1]]))
+        """A file of this format; a PNG shows data: axes and text are black, grey and white."""
+        suffix = suffix or name.rsplit(".", 1)[1]
+        self.assertTrue(self.read(name).startswith(SIGNATURES[suffix]))
+        if suffix == "png":
+            with open(self.path(name), "rb") as file:
+                pixels = plt.imread(file, format="png")[..., :3]
+            self.assertGreater(np.mean(np.ptp(pixels, axis=-1) > 0.2), 0.001, f"{name}: no data are drawn")
 
     def assert_nothing_is_cut(self, name):
         """The edges of a picture are white, as they are unless something extends beyond them."""
