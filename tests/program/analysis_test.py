@@ -128,7 +128,7 @@ class ScriptTest(DirectoryTest):
         if suffix == "png":
             with open(self.path(name), "rb") as file:
                 pixels = plt.imread(file, format="png")[..., :3]
-            self.assertGreater(np.mean(np.ptp(pixels, axis=-1) > 0.2), 0.001, f"{name}: no data are drawn")
+            self.assertGreater(np.mean(np.ptp(pixels, axis=-1) > 0.2), 2e-4, f"{name}: no data are drawn")
 
     def assert_nothing_is_cut(self, name):
         """The edges of a picture are white, as they are unless something extends beyond them."""
