@@ -41,7 +41,8 @@ bool is_better_by(double part, const Point& a, const Point& b) {
 /// Whether a is better than b by more than violations within feasibility_tolerance may gain.
 bool is_clearly_better(const Point& a, const Point& b) { return is_better_by(1e-8, a, b); }
 
-/// The best point of finer and finer lattices: for functions with a kink at the optimum.
+/// The best point of finer and finer lattices: for functions with a kink at the optimum, and for
+/// starts that violate the constraints.
 Point zoom(const NonlinearProgram& program, Point point) {
   constexpr double noise = 1e-11, finest = 1e-9;
   constexpr int max_steps = 40;
