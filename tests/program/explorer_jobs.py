@@ -1,60 +1,14 @@
 """Job files for explorer_test.py."""
 
+import json
+import os
 import random
 
-# A mistake of each kind in the fields. Rules between keys are found at the key that is given here last.
-MISTAKES = [
-    {"scene.counterweight-mass": "-1"}, {"scene.gravity": "0"}, {"scene.projectile-mass": "heavy"},
-    {"scene.sling-angle": "4"}, {"scene.start-angle": "3.2"}, {"scene.wind": "2000"}, {"scene.beam-side": "-0.1"},
-    {"solver.release-angle": "7"}, {"solver.max-time": "0"}, {"scene.release-height": "6"},
-    {"scene.counterweight-hanger": "1.6"}, {"lattice.shortest-sling": "2"}, {"lattice.increment": "3"},
-    {"lattice.r1": "1:2"}, {"lattice.r3": "0.3:0.95:0.1"}, {"lattice.r2": "2:1:0.1"},
-    {"solver.release": "pin", "solver.pin-angle": ""}, {"solver.release": "window"}, {"scene.beam-mass": "500"},
-    {"scene.sling-damping": "5"},
-    {"scene.counterweight-hanger": "0.2", "scene.sling-stiffness": "1e5"}, {"scene.sling-stiffness": "60"},
-]
+from support import REPOSITORY
 
-# Job files with a mistake each.
-WRONG_FILES = [
-    # Syntax.
-    "gravity = 1", "= 5", "gravity", "; a comment", "[]", "[scene", "[scenes]\ngravity = 1", "toString = 1",
-    "__proto__ = 1",
-    "[ scene ]\ngravity = 1", "[scene]\ngravity = 9 = 5", '[scene]\ngravity = "9"',
-    "[scene]\ngravity = 9 ; a comment", "[scene]\ngravity = 9# a",
-    "[scene]\ngravity = 9\n[lattice]\nincrement = 0.5\n[scene]\ngravity = 9",
-    "scene.gravity = 9\n[scene.]\ngravity = 9",
-    # Values.
-    "[scene]\ngravity =", "[scene]\ngravity = 0x10", "[scene]\ngravity = 1e400", "[scene]\nbeam-side = 1e-400",
-    "[scene]\ntrough =", "[scene]\nbeam-inertia = Prism", "[lattice]\nr1 =", "[lattice]\nr1 = 1:2",
-    "[lattice]\nr1 = 1:2:3", "[lattice]\nr1 = 1:2:-1", "[scene]\nsling-stiffness = 1e-12", "[solver]\nstepper = rk5", "[solver]\ntolerance = 1", "[solver]\ntime-step = -1",
-    "[solver]\nmax-steps = 1e3", "[solver]\ncheck = maybe",
-    "[solver]\nstepper = rk4\nrelease = window\nrelease-window = 2", "[output]\nfile =", '[output]\nfile = "a"',
-    "[output]\nfields = speed, height", "[output]\nfields = , speed", "[output]\nfields = speed speed",
-    "[output]\nmaps = some", "[output]\nstorage = float16", "[output]\ncompression = 10",
-    "[output]\noptimum = best", "[optimum]\nobjective = status", "[optimum]\nsubject-to = range > 5", "[optimum]\nsubject-to = mass >= 5",
-    "[optimum]\nsubject-to = range >= 5 m",
-    "[optimum]\nsubject-to = range >= 5,", "[optimum]\ndeviation = -1", "[optimum]\nrobust = maybe",
-    '[assess]\nscenes = "a"', "[assess]\nsteppers = rk5", "[assess]\ntolerances =", "[assess]\ntime-steps = 0.1, 0",
-    "[assess]\ndesigns = 0", "[assess]\nlattice-seconds = -1",
-    # Rules.
-    "[scene]\nstart-angle = 0.5\nrelease-height = 2", "[scene]\nwind = 3", "[scene]\nbeam-mass = 500",
-    "[scene]\nbeam-mass = 500\nbeam-centre = 2\nbeam-moment = 1e-7", "[solver]\ntime-step = 0.001",
-    "[solver]\nstepper = rk4\ntolerance = 1e-6", "[solver]\ntolerance = 1e-6\ntarget-error = 1e-3",
-    "[solver]\nrelease = window", "[solver]\nrelease = pin", "[solver]\nrelease-window = 0.1",
-    "[output]\nfields = peak-hanger-tension", "[optimum]\nobjective = lift-off-time",
-    "[scene]\nbeam-side = 0\n[optimum]\nsubject-to = peak-beam-stress <= 1e7",
-    "[optimum]\nsubject-to = range >= 5, range >= 6", "[optimum]\nsubject-to = range >= 6, range <= 5",
-    "[optimum]\nrobust = worst", "[lattice]\nincrement = 1e-5", "[lattice]\nincrement = 1e-12",
-    "[lattice]\nr1 = 0.1:1e6:0.1\nr2 = 0.1:1e6:0.1",
-    # Studies.
-    "[scene]\ngravity = 5,,6", "[scene]\ngravity = 5, 5.0", "[scene]\ngravity = 5, -1", "[scene]\ngravity = 1:5",
-    "[scene]\ngravity = 1: :1", "[scene]\ngravity = 1:2:1, 3", "[scene]\ngravity = 2:1:1",
-    "[scene]\ngravity = 1:5:1.5", "[scene]\ngravity = 1:2e7:1",
-    "[scene]\ngravity = 1:1001:1\nprojectile-mass = 1:1001:1", "[scene]\ntrough = yes, no",
-    "[scene]\ngravity = 9, 10\n[solver]\ntarget-error = 1e-3", "[scene]\nwind = 3, 4",
-    "[scene]\nsling-angle = 0, 0.1\n[output]\nfields = sling-angle", "[scene]\nsling-damping = 0, 3",
-    "[scene]\ncounterweight-hanger = 0, 1\nprojectile-mass = 5, 1",
-]
+with open(os.path.join(REPOSITORY, "tests", "job", "refused.json"), encoding="utf-8") as table:
+    REFUSED = json.load(table)
+
 EVERY_SECTION = """[scene]
 projectile-mass = 50
 [lattice]
@@ -90,6 +44,27 @@ repeats = 3
 target-error = 1e-4
 lattice-seconds = 0
 """
+
+
+def mistakes(fields):
+    """Texts that the program refuses, as {key: text}, for fields {key: its tag}. A mistake that several keys make is at
+    the last one."""
+    is_one = lambda key, text: "," not in text and (":" not in text or not key.startswith("scene."))  # noqa: E731
+    for keys, texts in REFUSED["values"]:
+        one = [text for text in texts if is_one(keys[0], text)]
+        yield from ({key: one[0]} for key in keys if fields.get(key) == "INPUT" and one)
+    for together in REFUSED["together"]:
+        if fields.keys() >= together.keys() and all(is_one(key, text) for key, text in together.items()):
+            yield together
+
+
+def wrong_files(fields):
+    """The texts of job files with a mistake each, which cannot be made in the fields."""
+    yield from REFUSED["files"]
+    typed = list(mistakes(fields))
+    for together in REFUSED["together"]:
+        if together not in typed:
+            yield "".join(f"{key} = {text}\n" for key, text in together.items())
 
 
 def random_jobs(count):

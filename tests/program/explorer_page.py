@@ -32,6 +32,8 @@ def skip_unless_installed():
 class PageTest(DirectoryTest):
     """Tests of the page in a browser, and what a person does with it."""
 
+    loaded = None  # the file that the browser shows
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -60,16 +62,31 @@ class PageTest(DirectoryTest):
                      if request["method"] == "Network.requestWillBeSent"]
         self.assertEqual([url for url in addresses if re.match("(http|ws|ftp)s?:", url)], [])
 
-    def open(self, job=(), design=(), page=None, pictures=True, **more):
-        """Opens the page with a job and a design in its address; waits for its readouts and, if asked, its pictures."""
-        parameters = {**dict(job), **dict(design), **more}
-        if job and not design:
-            parameters.update(r1="0.51", r3="0.58", r2="0.91")
+    def open(self, job=(), design=(), **more):
+        """Shows a job and a design by the address of the page, which is loaded once; waits for readouts and pictures."""
+        address = self.address(job, design, **more)
+        if self.loaded != self.page:
+            self.load(address)
+        self.script("history.replaceState(null, '', '#' + arguments[0]); "
+                    "dispatchEvent(new HashChangeEvent('hashchange'))", address)
+        self.wait_for_pictures()
+
+    def load(self, address="", page=None, pictures=True):
+        """Loads the page, or another; waits for its readouts and, if asked, its pictures."""
         self.browser.get("about:blank")
-        self.browser.get(f"file://{page or self.page}#{urllib.parse.urlencode(parameters)}")
+        self.browser.get(f"file://{page or self.page}#{address}")
+        type(self).loaded = page or self.page
         self.wait(lambda: self.text("readout.status"))
         if pictures:
             self.wait_for_pictures()
+
+    @staticmethod
+    def address(job=(), design=(), **more):
+        """The part of an address that describes a job, a design and what else is shown."""
+        parameters = {**dict(job), **dict(design), **more}
+        if job and not design:
+            parameters.update(r1="0.51", r3="0.58", r2="0.91")
+        return urllib.parse.urlencode(parameters)
 
     @contextlib.contextmanager
     def window(self, width, height, scheme="light", mobile=False):

@@ -18,7 +18,7 @@ import unittest.mock
 import h5py
 import numpy as np
 
-import analysis_test  # first: it makes the scripts importable
+from scripts import ScriptTest  # first: it makes the modules of analysis/ importable
 import rules
 from archive import Archive
 from picture import plt
@@ -31,7 +31,7 @@ RULES = {"r1 < r2": lambda r1, r3, r2, mass: r1 < r2,
          "r1 > projectile_mass / 200": lambda r1, r3, r2, mass: r1 > mass / 200}
 
 
-class Rules(analysis_test.ScriptTest):
+class Rules(ScriptTest):
     """rules.h5, a study of 3 x 2 scenes."""
 
     @classmethod
@@ -152,7 +152,7 @@ class Rules(analysis_test.ScriptTest):
             self.assertIn(f"rule = {text}: ", errors.getvalue())
 
 
-class RulesPage(analysis_test.ScriptTest):
+class RulesPage(ScriptTest):
     """The page's commands, as bash runs them: [words], without running the programs."""
 
     RECORD = "\n".join(f"{name}() {{ {body}; }}" for name, body in {

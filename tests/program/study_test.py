@@ -16,7 +16,7 @@ import numpy as np
 import damage_test
 import resume_test
 from archives import differences, h5py
-from commands_test import CommandTest
+from commands import CommandTest
 from support import DirectoryTest
 
 AXES = "projectile-mass = 50:200:75\nfulcrum-height = 1.7, 1.4,1.5 , 1.6\n"

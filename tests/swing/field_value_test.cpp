@@ -154,7 +154,7 @@ TEST_CASE("By every rule of release, the results of a design do not depend on it
   std::vector<Design<double>> designs;
   for (int i = 0; i < 50; ++i)
     designs.push_back({1.5 + 0.013 * ((i * 7) % 50), 5.1 + 0.09 * ((i * 3) % 50), 8.5 - 0.03 * i});
-  for (const std::string stepper : {"rk4", "vern8"})
+  for (const std::string stepper : {"euler", "rk4", "dopri5", "vern8"})
     for (const Release release : releases) {
       Solver solver = solver_with(release);
       solver.stepper = stepper;

@@ -1,0 +1,385 @@
+"""What every command has in common: help, the source of a value, streams, stdin and bad input."""
+
+import itertools
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+import h5py
+import numpy as np
+
+from commands import COARSE, CommandTest
+from support import JOBS, MPIEXEC, PROGRAM, mpirun
+
+
+class Help(CommandTest):
+    def test_help_and_version_go_to_stdout(self):
+        for command in ([], ["sweep"], ["trace"], ["assess"], ["info"]):
+            self.assertIn("trebsweep", self.run_program(*command, "--help").stdout)
+        self.assertRegex(self.run_program("--version").stdout,
+                         r"^trebsweep \d+\.\d+\.\d+ \(.+\)\nkernel: .+ \(\d lanes\)\n$")
+
+    def test_serial_commands_do_not_start_mpi(self):
+        # Open MPI's MPI_Init fails if its message layer does not exist.
+        broken = {"OMPI_MCA_pml": "missing"}
+        if "Open MPI" not in subprocess.run([MPIEXEC, "--version"], capture_output=True, text=True,
+                                            check=True).stdout:
+            self.skipTest("can make only Open MPI's MPI_Init fail")
+        self.assertNotEqual(self.run_program("sweep", self.job, *COARSE, code=None, environment=broken).returncode, 0)
+        for arguments in (["--help"], ["--version"], ["sweep", "--help"], ["assess", "-h"],
+                          ["trace", self.job, *Trace.DESIGN], ["trace", "--help"]):
+            self.assertTrue(self.run_program(*arguments, environment=broken).stdout)
+
+    def test_every_process_of_a_launcher_runs_the_serial_commands(self):
+        self.run_program("sweep", self.job, *COARSE)
+        for arguments in (["--version"], ["--help"], ["info", "job.h5"], ["trace", self.job, *Trace.DESIGN]):
+            alone = self.run_program(*arguments).stdout
+            for variable in ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID"):
+                with self.subTest(arguments=arguments, variable=variable):
+                    self.assertEqual(self.run_program(*arguments, environment={variable: "3"}).stdout, alone)
+
+
+class Precedence(CommandTest):
+    """A scene key can be given in four sources, listed from the highest precedence to the lowest."""
+
+    SOURCES = ("option", "option's file", "job", "job's file")
+
+    def projectile_mass(self, sources):
+        """The value that a sweep uses when each of some sources gives its own."""
+        arguments, job = [], "[scene]\n"
+        for source in sources:
+            mass = f"projectile-mass = {50 + self.SOURCES.index(source)}\n"
+            if source == "option":
+                arguments += ["--scene.projectile-mass", mass.split()[-1]]
+            elif source == "job":
+                job += mass
+            else:
+                path = self.write(f"scene{self.SOURCES.index(source)}.cfg", f"[scene]\n{mass}")
+                if source == "job's file":
+                    job += f"file = {os.path.basename(path)}\n"
+                else:
+                    arguments += ["--scene.file", path]
+        path = self.write("job.cfg", job + "[lattice]\nincrement = 0.3\n")
+        done = self.run_program("sweep", path, *arguments, "--overwrite")
+        with h5py.File(self.path("job.h5")) as file:
+            line = next(x for x in file.attrs["job"].splitlines() if x.startswith("projectile-mass"))
+        self.assertIn(line, done.stdout)  # in the summary
+        return int(line.split()[-1])
+
+    def test_the_source_of_higher_precedence_wins(self):
+        for high, low in itertools.combinations(self.SOURCES, 2):
+            with self.subTest(high=high, low=low):
+                self.assertEqual(self.projectile_mass([high, low]), 50 + self.SOURCES.index(high))
+        for source in self.SOURCES:
+            with self.subTest(source=source):
+                self.assertEqual(self.projectile_mass([source]), 50 + self.SOURCES.index(source))
+
+    def test_a_scene_file_given_as_an_option_changes_the_papers_sweep(self):
+        wood = os.path.join(JOBS, "scenes", "wood.cfg")
+        done = self.run_program("sweep", os.path.join(JOBS, "paper.cfg"), "--scene.file", wood, *COARSE)
+        self.assertIn(f"scene     {wood}: beam-density = 700, beam-side = 0.2, beam-inertia = prism",
+                      done.stdout)
+        self.assertIn("solver    euler, time step 0.01 s", done.stdout)
+        info = self.run_program("info", "paper.h5").stdout
+        for line in done.stdout.splitlines():
+            if line.startswith(("scene ", "solver ")):
+                self.assertIn(line, info)
+
+
+class Streams(CommandTest):
+    """Results and exit codes do not depend on whether messages can be read, but on whether results can."""
+
+    BROKEN = {"closed": "2>&-", "full": "2>/dev/full", "without a reader": "2> >(exec true)"}
+    DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
+    UNDERGROUND = ("--r1", "0.51", "--r2", "2", "--r3", "0.58")
+
+    def test_no_exit_code_depends_on_stderr(self):
+        # Each of them prints messages. The progress bar does so while the archive is open.
+        coarse = (self.job, "--lattice.increment", "0.05", "--progress", "bar")
+        commands = {
+            ("sweep", *coarse, "--time-limit", "1e-6"): 75,
+            ("sweep", *coarse): 0,
+            ("sweep", *coarse, "--output.file", "again.h5", "--lattice.r1", "0.6"): 0,
+            ("sweep", "missing.cfg"): 2,
+            ("info", "job.h5", "--verify", "--progress", "bar"): 0,
+            ("info", "missing.h5"): 2,
+            ("trace", self.job, *self.DESIGN, "--solver.max-time", "0.3"): 0,
+            ("trace", self.job, *self.UNDERGROUND): 0,
+            ("optimum", self.job, "--progress", "bar"): 0,
+            ("optimum", self.job, "--optimum.subject-to", "speed >= 1e6"): 1,
+            ("assess", self.job, *Assess.SMALL, "--output.file", "assess.h5"): 0,
+        }
+        for name, redirection in self.BROKEN.items():
+            self.setUp()
+            for command, code in commands.items():
+                with self.subTest(stderr=name, command=command):
+                    self.redirected(redirection, PROGRAM, *command, code=code)
+            self.run_program("info", "job.h5", "--verify")
+
+    def test_ranks_without_stderr_write_an_intact_archive(self):
+        for code, options in ((75, ["--time-limit", "1e-6"]), (0, [])):
+            self.run_command(*mpirun(2), "bash", "-c", 'exec "$@" 0<&- 2>&-', "bash", PROGRAM, "sweep", self.job,
+                             *COARSE, *options, code=code)
+        self.run_program("info", "job.h5", "--verify")
+
+    def test_stdout_that_cannot_be_written_is_an_error_of_every_command(self):
+        self.run_program("sweep", self.job, *COARSE)
+        for redirection, reason in ((">/dev/full", "No space left on device"), (">&-", "Bad file descriptor")):
+            for command in (["--help"], ["sweep", "--help"], ["info", "job.h5"], ["trace", self.job, *self.DESIGN],
+                            ["optimum", self.job, "--progress", "none"],
+                            ["sweep", self.job, *COARSE, "--output.file", "other.h5", "--overwrite"]):
+                with self.subTest(redirection=redirection, command=command):
+                    done = self.redirected(redirection, PROGRAM, *command, code=1)
+                    self.assertIn(f"trebsweep: cannot write to stdout: {reason}\n", done.stderr)
+
+    def test_a_reader_that_leaves_ends_a_trace_silently(self):
+        done = self.redirected("> >(exec true)", PROGRAM, "trace", self.job, *self.DESIGN, "--interval", "1e-5",
+                               code=-signal.SIGPIPE)
+        self.assertEqual(done.stderr, "")
+
+
+class Stdin(CommandTest):
+    """A job called - is read from stdin."""
+
+    def test_a_sweep_of_stdin_is_that_of_the_file(self):
+        self.run_program("sweep", self.job, *COARSE, "--output.file", "file.h5")
+        expected = self.read("file.h5")
+        for ranks in (None, 2):
+            with self.subTest(ranks=ranks):
+                done = self.run_command("bash", "-c", 'cat job.cfg | "$@"', "bash", *mpirun(ranks), PROGRAM, "sweep",
+                                        "-", *COARSE, "--overwrite")
+                self.assertIn("archive   job.h5\n", done.stdout)
+                with h5py.File(self.path("job.h5")) as piped, h5py.File(self.path("file.h5")) as file:
+                    np.testing.assert_array_equal(piped["speed"], file["speed"])
+                    self.assertEqual(piped.attrs["job"], file.attrs["job"].replace("file.h5", "job.h5"))
+        self.assertEqual(self.read("file.h5"), expected)
+
+    def test_every_command_with_a_job_reads_stdin(self):
+        for command, *options in (["trace", *Trace.DESIGN], ["optimum", "--json"]):
+            with self.subTest(command=command):
+                alone, piped = (self.redirected("<job.cfg", PROGRAM, command, job, *options).stdout
+                                for job in (self.job, "-"))
+                seconds = r'"seconds": [^,}]*'
+                self.assertEqual(re.sub(seconds, "", piped), re.sub(seconds, "", alone))
+        done = self.redirected("<job.cfg", PROGRAM, "assess", "-", *Assess.SMALL)
+        self.assertIn("scene job", done.stdout)
+        self.assertEqual(sorted(os.listdir(self.directory)), ["job-assess.h5", "job.cfg"])
+
+    def test_a_scene_file_is_relative_to_the_working_directory(self):
+        self.write("moon.cfg", "[scene]\ngravity = 1.62\n")
+        self.write("job.cfg", "[scene]\nfile = moon.cfg\n")
+        done = self.redirected("<job.cfg", PROGRAM, "sweep", "-", *COARSE)
+        self.assertIn("scene     moon.cfg: gravity = 1.62\n", done.stdout)
+
+    def test_stdin_that_is_no_job_is_refused(self):
+        self.write("binary", bytes(range(256)))
+        self.write("long", "#" * (1 << 20) + "\n")
+        self.write("words", "This is no job.\n")
+        for redirection, words in (("<&-", " (stdin): Bad file descriptor"), ("</dev/null", " (stdin): is empty"),
+                                   ("<binary", " (stdin): is not a text file"), ("<.", " (stdin): Is a directory"),
+                                   ("<long", " (stdin): is longer than 1 MiB"),
+                                   ("<words", ": line 1, 'This is no job.'")):
+            for ranks in (None, 2):
+                with self.subTest(redirection=redirection, ranks=ranks):
+                    if ranks and redirection in ("<&-", "<."):
+                        continue  # mpirun does not pass these on
+                    done = self.redirected(redirection, *mpirun(ranks), PROGRAM, "sweep", "-", code=2)
+                    self.assertEqual(done.stderr.count(f"trebsweep: job file -{words}"), 1, done.stderr)
+
+    def test_a_signal_ends_a_sweep_that_waits_for_stdin(self):
+        with subprocess.Popen([PROGRAM, "sweep", "-"], cwd=self.directory, stdin=subprocess.PIPE, text=True,
+                              stderr=subprocess.PIPE) as sweep:
+            time.sleep(0.5)
+            for _ in range(50):  # one that arrives while MPI starts does not interrupt the wait
+                if sweep.poll() is None:
+                    sweep.send_signal(signal.SIGINT)
+                    time.sleep(0.2)
+            self.assertEqual(sweep.poll(), 2)
+            self.assertIn("(stdin): Interrupted", sweep.stderr.read())
+
+
+class BadInput(CommandTest):
+    def test_impossible_physics_is_refused_with_key_value_and_bound(self):
+        for key in ("gravity", "counterweight-mass", "projectile-mass", "release-height",
+                    "fulcrum-height"):
+            for value in ("0", "-1", "nan", "inf"):
+                with self.subTest(key=key, value=value):
+                    self.assert_refused(["sweep", self.job, f"--scene.{key}", value],
+                                        f"scene.{key} = {value}", "above 0")
+
+    def test_empty_and_oversized_lattices_are_refused(self):
+        self.assert_refused(["sweep", self.job, "--scene.release-height", "3.5"],
+                            "scene.release-height = 3.5", "leaves no design")
+        for value in ("0", "-0.01", "nan"):
+            self.assert_refused(["sweep", self.job, "--lattice.increment", value],
+                                f"lattice.increment = {value}", "above 0")
+        self.assert_refused(["sweep", self.job, "--lattice.increment", "1e-8"],
+                            "lattice.increment = 1e-08", "would make a lattice of", "1e+12")
+
+    def test_malformed_axes_are_refused(self):
+        for value in ("1:0.5:0.1", "a:b:c", "0.5:1:0", "0.5:1:-0.1", "0.5:1", "nan"):
+            self.assert_refused(["sweep", self.job, f"--lattice.r1={value}"],
+                                f"lattice.r1 = {value}: must be first:last:step with a step above 0 and first <= last")
+
+    def test_errors_list_the_choices(self):
+        self.assert_refused(["sweep", self.job, "--solver.stepper", "leapfrog"],
+                            "solver.stepper = leapfrog", "euler", "dopri5")
+        self.assert_refused(["sweep", self.job, "--output.fields", "speed,mass"],
+                            "output.fields = mass", "release-time")
+        self.assert_refused(["sweep", self.job, "--output.storage", "float16"],
+                            "output.storage = float16", "float64, float32")
+        self.assert_refused(["sweep", self.job, "--output.compression", "10"],
+                            "output.compression = 10", "0 to 9")
+
+    def test_unknown_keys_in_files_and_options_are_refused(self):
+        job = self.write("typo.cfg", "[scene]\ngravitiy = 9.8\n")
+        self.assert_refused(["sweep", job], "scene.gravitiy", "counterweight-mass")
+        self.assert_refused(["sweep", self.job, "--scene.gravitiy", "9.8"], "scene.gravitiy")
+        self.assert_refused(["sweep", self.job, "--overwrit"], "--overwrit")
+        self.assert_refused(["swep", self.job], "swep", "sweep, optimum, trace, assess and info")
+
+    def test_files_that_are_not_job_files_are_refused(self):
+        self.assert_refused(["sweep", "missing.cfg"], "missing.cfg", "No such file")
+        self.assert_refused(["sweep", self.directory], self.directory, "directory")
+        self.write("binary.cfg", bytes(range(256)))
+        self.assert_refused(["sweep", "binary.cfg"], "binary.cfg", "not a text file")
+        text = self.write("words.cfg", "This is no job.\n")
+        self.assert_refused(["sweep", text], "words.cfg")
+
+    def test_output_files_that_cannot_be_written_are_refused(self):
+        self.assert_refused(["sweep", self.job, "--output.file", "no/such/folder.h5"],
+                            "output.file = no/such/folder.h5", "no/such")
+        self.assert_refused(["sweep", self.job, "--output.file", self.directory],
+                            f"output.file = {self.directory}", "is a directory")
+        # Root may write to any directory, but no file system takes a name this long.
+        self.assert_refused(["sweep", self.job, "--output.file", "x" * 300],
+                            "output.file = xxx", "the path is too long")
+
+    def test_all_ranks_end_together_with_one_message(self):
+        done = self.run_program("sweep", self.job, "--scene.gravity", "-1", ranks=3, code=2)
+        self.assertEqual(done.stderr.count("scene.gravity = -1"), 1)
+        done = self.run_program("sweep", "missing.cfg", ranks=2, code=2)
+        self.assertEqual(done.stderr.count("No such file"), 1)
+
+
+class Trace(CommandTest):
+    DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
+
+    @staticmethod
+    def table(text):
+        """The rows below the comments, which numpy would take for the header."""
+        return np.genfromtxt([line for line in text.splitlines() if line[0] != "#"], names=True)
+
+    def test_comments_stand_only_above_the_header(self):
+        done = self.run_program("trace", os.path.join(JOBS, "paper.cfg"), *self.DESIGN)
+        lines = done.stdout.splitlines()
+        header = next(i for i, line in enumerate(lines) if line.startswith("t phi1 phi2 "))
+        self.assertTrue(all(line.startswith("# ") for line in lines[:header]))
+        self.assertNotIn("#", "".join(lines[header:]))
+        self.assertIn("# fulcrum-height = 1.5", lines)
+        table = self.table(done.stdout)
+        self.assertEqual(len(table), 93)
+        self.assertAlmostEqual(table["speed"][-1], 17.47606519, places=7)
+
+    def test_a_traced_swing_is_that_of_the_sweep(self):
+        self.run_program("sweep", self.job, *COARSE)
+        with h5py.File(self.path("job.h5")) as file:
+            best = {name: file.attrs[f"best_{name}"] for name in ("r1", "r2", "r3", "speed")}
+        options = [word for name in ("r1", "r2", "r3") for word in (f"--{name}", repr(float(best[name])))]
+        table = self.table(self.run_program("trace", self.job, *options).stdout)
+        self.assertAlmostEqual(table["speed"][-1], best["speed"], places=7)
+
+    def test_a_swing_without_release_is_reported(self):
+        done = self.run_program("trace", self.job, *self.DESIGN, "--solver.max-time", "0.3")
+        self.assertEqual(done.stderr, "the swing ends without a release: not_released: "
+                                      "no release before solver.max-time, or none above the ground\n")
+
+    def test_invalid_designs_are_refused(self):
+        self.assert_refused(["trace", self.job, "--r1", "1", "--r2", "1"], "--r3: missing")
+        self.assert_refused(["trace", self.job, "--r1", "x", "--r2", "1", "--r3", "1"], "r1 = x")
+        self.assert_refused(["trace", self.job, "--r1", "0.3", "--r2", "1", "--r3", "1"],
+                            "r1 = 0.3", "0.5")
+
+
+class Assess(CommandTest):
+    SMALL = ("--assess.steppers", "euler, dopri5, rosenbrock4", "--assess.time-steps", "0.01, 0.005",
+             "--assess.tolerances", "1e-5, 1e-8", "--assess.designs", "3", "--assess.repeats", "1",
+             "--lattice.increment", "0.25")
+
+    def test_tables_are_printed_and_open_in_xarray(self):
+        import xarray as xr  # slow to import, and used by two tests only
+        job = self.write("job.cfg", f"[assess]\nscenes = {JOBS}/extreme/long_steps.cfg\n"
+                                    f"extremes = {JOBS}/extreme/upright.cfg\n")
+        done = self.run_program("assess", job, *self.SMALL, ranks=2)
+        for title in ("References", "Errors of each solver", "Extreme scenes", "Order of convergence",
+                      "largest step", "A small oscillation", "whole lattice", "The cheapest solver"):
+            self.assertIn(title, done.stdout)
+        self.assertIn("not_released", done.stdout)
+        for engine in ("netcdf4", "h5netcdf"):
+            with xr.open_dataset(self.path("job-assess.h5"), group="accuracy", engine=engine) as data:
+                frame = data.to_dataframe()
+        self.assertEqual(list(frame.scene.unique()), ["long_steps"])
+        dopri5 = frame[frame.stepper == "dopri5"]
+        self.assertLess(dopri5.error_largest.iloc[1], 1e-2 * dopri5.error_largest.iloc[0])
+        self.assertTrue((frame.seconds > 0).all())
+        self.assertEqual(data.error_median.attrs["units"], "m s-1")
+        with h5py.File(self.path("job-assess.h5")) as file:
+            self.assertIn("time-steps = 0.01, 0.005", file.attrs["job"])
+        self.assert_refused(["assess", job, *self.SMALL], "output.file", "already exists")
+        self.run_program("assess", job, *self.SMALL, "--overwrite", "--progress", "none")
+
+    def test_scene_options_apply_to_all_scenes(self):
+        job = self.write("two.cfg", f"[assess]\nscenes = {JOBS}/extreme/no_beam.cfg\n")
+        tables = [self.run_program("assess", job, *self.SMALL, "--overwrite", *options).stdout
+                  for options in ([], ["--scene.gravity", "20"], ["--scene.file", f"{JOBS}/scenes/friction.cfg"])]
+        speeds = [table.split("Errors of each")[0] for table in tables]  # the reference speeds
+        self.assertEqual(len(set(speeds)), 3)
+
+    def test_without_scenes_the_jobs_own_scene_is_assessed(self):
+        done = self.run_program("assess", self.job, *self.SMALL, ranks=2)
+        self.assertIn("scene job", done.stdout)
+
+    def test_a_sweep_and_an_assessment_of_a_job_have_archives_of_their_own(self):
+        done = self.run_program("assess", self.job, *self.SMALL)
+        self.assertIn("archive   job-assess.h5", done.stdout)
+        self.run_program("sweep", self.job, *self.SMALL[-2:])
+        self.assertEqual(sorted(os.listdir(self.directory)), ["job-assess.h5", "job.cfg", "job.h5"])
+
+    def test_sweeps_and_assessments_do_not_replace_each_other(self):
+        file, lattice = ("--output.file", "job.h5"), self.SMALL[-2:]
+        self.run_program("assess", self.job, *self.SMALL, *file)
+        self.assert_refused(["sweep", self.job, *lattice], "job.h5", "holds an assessment")
+        self.run_program("sweep", self.job, *lattice, "--overwrite")
+        done = self.run_program("sweep", self.job, *lattice, ranks=2)
+        self.assertIn("complete archive of this job", done.stderr)
+        self.assert_refused(["assess", self.job, *self.SMALL, *file], "job.h5", "already exists")
+
+    def test_an_assessment_does_not_replace_an_unfinished_sweep(self):
+        self.run_program("sweep", self.job, *COARSE, "--output.file", "job-assess.h5", "--time-limit", "1e-9", code=75)
+        self.assert_refused(["assess", self.job, *self.SMALL, "--overwrite"], "unfinished sweep")
+
+    def test_info_describes_an_assessment(self):
+        os.symlink("far.h5", self.path("job-assess.h5"))
+        self.run_program("assess", self.job, *self.SMALL)
+        self.assertEqual(os.readlink(self.path("job-assess.h5")), "far.h5")
+        text = self.run_program("info", "job-assess.h5").stdout
+        for words in ("job-assess.h5, an assessment", "accuracy", "reference", "source    trebsweep", "[assess]", "assess "):
+            self.assertIn(words, text)
+
+    def test_missing_scene_files_are_refused(self):
+        self.assert_refused(["assess", self.job, "--assess.scenes", "nowhere.cfg"], "nowhere.cfg")
+
+    def test_a_sweep_meets_its_target_error(self):
+        job = self.write("target.cfg", "[solver]\nstepper = dopri5\ntarget-error = 1e-5\n")
+        done = self.run_program("sweep", job, *COARSE, "--output.fields", "speed, speed-error", ranks=2)
+        self.assertIn("tolerance ", done.stderr)
+        with h5py.File(self.path("target.h5")) as file:
+            self.assertLess(np.nanmax(np.abs(file["speed_error"])), 1e-5)
+        self.run_program("sweep", job, *COARSE, "--output.fields", "speed, speed-error")  # already complete
+
+
+if __name__ == "__main__":
+    unittest.main()

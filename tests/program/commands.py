@@ -1,0 +1,41 @@
+"""Shared by the tests of commands."""
+
+import os
+
+from support import PROGRAM, DirectoryTest
+
+KERNELS = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
+COARSE = ("--lattice.increment", "0.1")
+
+
+def wide_kernels():
+    """Whether there are kernels for AVX2 and AVX-512, and the machine can run both."""
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        return "avx512dq" in file.read() and all(os.path.isdir(os.path.join(KERNELS, level))
+                                                 for level in ("x86-64-v3", "x86-64-v4"))
+
+
+class CommandTest(DirectoryTest):
+    """Tests that start with a job file alone in their directory."""
+
+    def setUp(self):
+        self.empty_directory()
+        self.job = self.write("job.cfg", "[solver]\nstepper = dopri5\nrelease = crossing\n")
+
+    def assert_refused(self, arguments, *words):
+        """Exit code 2, one line on stderr that holds the words, and no change of the directory."""
+        before = self.snapshot()
+        done = self.run_program(*arguments, code=2)
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        for word in ("trebsweep: ", *words):
+            self.assertIn(word, done.stderr)
+        self.assertEqual(self.snapshot(), before)
+
+    def redirected(self, redirection, *command, code=0):
+        """Runs a command with a redirection of bash."""
+        return self.run_command("bash", "-c", f'exec "$@" {redirection}', "bash", *command, code=code)
+
+    def snapshot(self):
+        """{name: bytes} of the regular files in the directory."""
+        return {name: self.read(name) for name in os.listdir(self.directory) if os.path.isfile(self.path(name))}

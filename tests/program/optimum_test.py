@@ -1,0 +1,131 @@
+"""`trebsweep optimum`."""
+
+import json
+import os
+import re
+import unittest
+
+import numpy as np
+
+from commands import CommandTest
+from support import JOBS
+
+
+class Optimum(CommandTest):
+    KEYS = {"objective", "value", "error", "r1", "r3", "r2", "release_time", "active", "gradient", "hessian",
+            "one_percent_loss", "one_percent_limit", "constraints", "build_constraints", "sensitivity",
+            "sensitivity_of_optimum", "worst", "expected", "maxima", "starts", "starts_at_best", "coarse_increment",
+            "designs", "seconds", "converged", "bounds", "job", "unsafe", "values"}
+
+    def optimum(self, *options, job=None, ranks=None):
+        """The JSON object that the command prints, without the run time."""
+        found = json.loads(self.run_program("optimum", job or self.job, "--json", *options, ranks=ranks).stdout)
+        self.assertGreater(found.pop("seconds"), 0)
+        return found
+
+    def assert_no_optimum(self, *options, words, ranks=None):
+        """Exit code 1, nothing on stdout, and a message of one line with the words."""
+        done = self.run_program("optimum", self.job, *options, code=1 if ranks is None else None, ranks=ranks)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertEqual(done.stdout, "")
+        messages = [line for line in done.stderr.splitlines() if line.startswith("trebsweep: ")]
+        self.assertEqual(len(messages), 1, done.stderr)
+        self.assertIn(words, messages[0])
+
+    def test_tolerances_end_at_bounds_and_constraints_and_say_which(self):
+        weak = ("--optimum.subject-to", "peak-beam-stress <= 6e7", "--lattice.r1", "0.52:1:0.01")
+        found = self.optimum(*weak)
+        (r1_shorter, r1_longer), (r3_shorter, r3_longer), (r2_shorter, r2_longer) = found["one_percent_loss"]
+        for forbidden in (r1_shorter, r1_longer, r3_longer, r2_longer):
+            self.assertLess(forbidden, 1e-6)
+        for allowed in (r3_shorter, r2_shorter):
+            self.assertGreater(allowed, 0.009)
+        stress = "peak-beam-stress <= 60000000"
+        self.assertEqual(found["one_percent_limit"], [["r1 >= 0.52", stress], [None, stress], [None, stress]])
+        text = self.run_program("optimum", self.job, *weak).stdout
+        self.assertIn(f"r1: 0.0000 m shorter (r1 >= 0.52) or 0.0000 m longer ({stress}); gradient", text)
+        text = self.run_program("optimum", self.job).stdout
+        self.assertIn(" m shorter or 0.0000 m longer (r2 + r3 <= 1.5); gradient", text)
+
+    def test_json_has_the_documented_keys_and_the_papers_optimum(self):
+        found = self.optimum("--optimum.deviation", "0.005")
+        self.assertEqual(set(found) | {"seconds"}, self.KEYS)
+        self.assertEqual(found["objective"], "speed")
+        # The maximum between the designs of the millimetre lattice, where it is 16.94320899 m/s at most.
+        self.assertAlmostEqual(found["value"], 16.952925755, places=8)
+        for name, length in {"r1": 0.511423, "r3": 0.583397, "r2": 0.916603}.items():
+            self.assertAlmostEqual(found[name], length, places=6)
+        self.assertLess(found["error"], 1e-9)
+        self.assertEqual([limit["constraint"] for limit in found["active"]], ["r2 + r3 <= 1.5"])
+        self.assertEqual({key for maximum in found["maxima"] for key in maximum}, {"r1", "r3", "r2", "value"})
+        self.assertEqual(np.shape(found["hessian"]), (3, 3))
+        self.assertLess(found["worst"], found["expected"])
+        self.assertLess(found["expected"], found["value"])
+        # By dimensional analysis, the speed is proportional to the square root of gravity.
+        self.assertAlmostEqual(found["sensitivity"]["gravity"], found["value"] / (2 * 9.8), places=8)
+        self.assertIsNone(self.optimum()["worst"])
+
+    def test_text_and_json_agree(self):
+        options = ("--optimum.objective", "range", "--optimum.subject-to", "peak-axle-load <= 1.6e5")
+        text = self.run_program("optimum", self.job, *options).stdout
+        found = self.optimum(*options)
+        self.assertIn(f"range {found['value']:.10g} m", text)
+        for name in ("r1", "r2", "r3"):
+            self.assertIn(f"{name} = {found[name]:.7f}", text)
+        self.assertEqual(len(found["active"]), 2)
+        for limit in found["active"]:
+            self.assertIn(f"{limit['constraint']}: {limit['multiplier']:+.6g} m", text)
+        self.assertIn(f"spacing of {found['coarse_increment']} m", text)
+        for key, slope in found["sensitivity"].items():
+            if key == "gravity":
+                self.assertRegex(text, rf"{key} .*{re.escape(f'{slope * 0.098:+.6g}')}")
+
+    def test_without_an_optimum_the_message_says_why(self):
+        excluded = ("--optimum.subject-to", "peak-axle-load <= 1e4, speed >= 16")
+        for ranks in (None, 2):
+            self.assert_no_optimum("--scene.release-height", "3.5", words="the design space is empty", ranks=ranks)
+            self.assert_no_optimum("--solver.max-time", "0.2", words="nothing is released", ranks=ranks)
+            self.assert_no_optimum(*excluded, words="the constraints exclude every design", ranks=ranks)
+
+    def test_unknown_and_contradictory_constraints_are_refused(self):
+        for constraints in ("sped >= 3", "speed >= 4, speed <= 3", "status >= 1", "speed > 3"):
+            self.assert_refused(["optimum", self.job, "--optimum.subject-to", constraints], "optimum.subject-to")
+        self.assert_refused(["optimum", self.job, "--optimum.robust", "worst"], "optimum.robust")
+        self.assert_refused(["optimum", self.job, "--lattice.increment", "0.0005"], "lattice.increment")
+
+    def test_fixed_axes_are_kept(self):
+        free = self.optimum()
+        for name in ("r1", "r3", "r2"):
+            fixed = self.optimum(f"--lattice.{name}", "0.6")
+            self.assertEqual(fixed[name], 0.6)
+            self.assertLess(fixed["value"], free["value"])
+
+    def test_the_optimum_is_bitwise_the_same_on_any_number_of_ranks(self):
+        # With two maxima, so that the ranks share the searches.
+        options = ("--scene.start-angle", "0.3", "--optimum.objective", "range")
+        alone = self.optimum(*options)
+        self.assertGreater(alone["starts"], 1)
+        for ranks in (2, 3, 4):
+            self.assertEqual(self.optimum(*options, ranks=ranks), alone)
+
+    def test_a_given_increment_is_that_of_the_coarse_sweep(self):
+        own = self.optimum()
+        given = self.optimum("--lattice.increment", "0.03")
+        self.assertEqual(given["coarse_increment"], 0.03)
+        self.assertNotEqual(own["coarse_increment"], 0.03)
+        self.assertAlmostEqual(given["value"], own["value"], places=10)
+        self.assertIn("0.03 m", self.run_program("optimum", self.job, "--lattice.increment", "0.03").stdout)
+
+    def test_the_optimum_does_not_depend_on_the_jobs_stepper(self):
+        paper, accurate = (self.optimum(job=os.path.join(JOBS, f"{name}.cfg")) for name in ("paper", "accurate"))
+        self.assertNotEqual(paper.pop("job"), accurate.pop("job"))
+        self.assertEqual(paper, accurate)
+
+    def test_no_file_is_written(self):
+        before = self.snapshot()
+        self.optimum()
+        self.assertEqual(self.snapshot(), before)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,105 @@
+"""analysis/trajectory.py: a traced swing."""
+
+import os
+import subprocess
+import unittest
+
+import numpy as np
+
+from scripts import DESIGN, LABORATORY, LABORATORY_DESIGN, ScriptTest
+import trajectory
+from archives import h5py
+from picture import plt
+from support import PROGRAM, REPOSITORY
+
+
+class Swings(ScriptTest):
+    def figure(self, table, flight=None):
+        """The figure that trajectory.py draws from tables."""
+        swing = trajectory.read_table(self.path(table))
+        figure = trajectory.draw(swing, 16, flight and trajectory.read_flight(flight, swing))
+        self.addCleanup(plt.close, figure)
+        return figure
+
+    def labels(self, *tables):
+        """The labels in the legends of the figure."""
+        return {label for axes in self.figure(*tables).axes
+                for label in axes.get_legend_handles_labels()[1]}
+
+    def test_swings_are_drawn_with_and_without_comments_and_flight(self):
+        for trace in (self.trace, self.trace_laboratory):
+            trace("--flight", name="flight.txt")
+            for comments in (False, True):
+                for flight in ((), ("--flight", "flight.txt")):
+                    trace(comments=comments)
+                    self.run_script("trajectory.py", "table.txt", *flight, "-o", "swing.png")
+                    self.assert_picture("swing.png")
+                    self.assert_nothing_is_cut("swing.png")
+
+    def test_ground_trough_and_lift_off_are_drawn_if_the_comments_define_them(self):
+        self.assertEqual(self.labels(self.trace()) & {"ground", "trough", "lift-off"}, {"ground"})
+        self.assertTrue(self.labels(self.trace_laboratory()) >= {"ground", "trough", "lift-off"})
+        self.assertFalse(self.labels(self.trace_laboratory(comments=False)) &
+                         {"ground", "trough", "lift-off"})
+
+    def test_the_trough_ends_at_the_lift_off(self):
+        table = self.trace_laboratory()
+        swing = trajectory.read_table(table)
+        time, x, y = trajectory.lift_off(swing)
+        self.assertAlmostEqual(time, 0.2532914651, places=9)
+        self.assertAlmostEqual(y, -0.831, places=3)
+        for line in self.figure(table).axes[1].get_lines():
+            if line.get_label() == "trough":
+                np.testing.assert_allclose(line.get_xdata(), (x, swing.rows["x3"][0]))
+                np.testing.assert_allclose(line.get_ydata(), -0.831)
+
+    def test_the_counterweight_hangs_from_the_end_of_its_arm(self):
+        table = self.trace_laboratory()
+        rows = trajectory.read_table(table).rows
+        lines = [np.round(np.transpose(line.get_data()), 9).tolist()
+                 for line in self.figure(table).axes[1].get_lines()]
+        first = {name: [round(rows[axis + name][0], 9) for axis in "xy"] for name in "h1t3"}
+        for ends in (("h", "1"), ("h", "t"), ("t", "3")):
+            self.assertIn([first[name] for name in ends], lines)
+
+    def test_without_a_release_there_is_no_flight(self):
+        options = ("--solver.max-time", "0.2", "--solver.release", "crossing")
+        table = self.trace_laboratory(*options)
+        flight = self.trace_laboratory(*options, "--flight", name="flight.txt")
+        self.assertFalse(self.labels(table, flight) & {"flight", "impact"})
+        table = self.trace()
+        flight = self.trace("--flight", name="flight.txt")
+        self.assertTrue(self.labels(table, flight) >= {"flight", "impact"})
+
+    def test_the_flight_after_another_swing_is_refused(self):
+        self.trace()
+        self.trace_laboratory("--flight", name="flight.txt")
+        self.run_script("trajectory.py", "table.txt", "--flight", "flight.txt", code=1,
+                        says="flight.txt: is the flight after another swing")
+        self.run_script("trajectory.py", "table.txt", "--flight", "table.txt", code=1,
+                        says="table.txt: is the flight after another swing")
+        self.run_script("trajectory.py", "flight.txt", code=1, says="flight.txt: has no column phi1")
+        self.run_script("trajectory.py", "table.txt", "--flight", "flight.txt", "-o", "flight.txt",
+                        code=2, says="must")
+
+    def test_the_flight_has_the_range_of_the_sweep(self):
+        laboratory = self.write("laboratory.cfg", LABORATORY)
+        air = ("--scene.projectile-diameter", "0.07", "--scene.wind", "-3")
+        for job, design, *options in (
+                ("jobs/scenes/paper.cfg", DESIGN, "--solver.stepper", "dopri5"),
+                ("jobs/scenes/elastic_sling.cfg", DESIGN, "--solver.stepper", "dopri5"),
+                (laboratory, LABORATORY_DESIGN), (laboratory, LABORATORY_DESIGN, *air)):
+            with self.subTest(job=job, options=options):
+                path = self.trace("--flight", *options, job=job, design=design)
+                rows = trajectory.read_rows(path, trajectory.FLIGHT_COLUMNS).rows
+                lattice = [word.replace("--", "--lattice.") for word in design]
+                subprocess.run([PROGRAM, "sweep", os.path.join(REPOSITORY, job), *options, *lattice,
+                                "--output.fields", "range, apex", "--output.file", self.path("r.h5"),
+                                "--overwrite"], check=True, capture_output=True, timeout=120)
+                with h5py.File(self.path("r.h5")) as file:
+                    self.assertAlmostEqual(rows["x3"][-1], file["range"][0, 0, 0], places=6)
+                    self.assertAlmostEqual(np.ptp(rows["y3"]), file["apex"][0, 0, 0], places=3)
+
+
+if __name__ == "__main__":
+    unittest.main()
