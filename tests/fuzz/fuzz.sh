@@ -13,6 +13,17 @@ cmake --build --preset fuzz
 mkdir -p build/fuzz/found build/fuzz/seeds/{job,archive}
 cp jobs/*.cfg build/fuzz/seeds/job
 for scene in jobs/scenes/*.cfg; do cp "$scene" "build/fuzz/seeds/job/scene_${scene##*/}"; done
+# The refused jobs of the tests: options follow the text of a job file, after a zero byte.
+python3 - tests/job/refused.json build/fuzz/seeds/job <<'EOF'
+import json, sys
+with open(sys.argv[1], encoding="utf-8") as file:
+    refused = json.load(file)
+jobs = [*refused["files"], *("\0" + "\n".join(f"{key}={text}" for key, text in keys.items()) for keys in refused["together"]),
+        *(f"\0{key}={text}" for keys, texts in refused["values"] for key in keys for text in texts)]
+for n, job in enumerate(jobs):
+    with open(f"{sys.argv[2]}/refused_{n}", "w", encoding="utf-8") as seed:
+        seed.write(job)
+EOF
 # Small complete archives of every kind: snapshots differ from them only in tile_designs.
 for option in "output.compression 0" "output.compression 4" "output.storage float32" "output.fields speed,status,slack" \
   "scene.projectile-mass 50:100:50" "output.maps none"; do

@@ -6,20 +6,16 @@ import unittest
 import h5py
 import numpy as np
 
-from commands import COARSE, CommandTest
+from commands import COARSE, SMALL_ASSESSMENT, CommandTest
 from support import JOBS
 
 
 class Assess(CommandTest):
-    SMALL = ("--assess.steppers", "euler, dopri5, rosenbrock4", "--assess.time-steps", "0.01, 0.005",
-             "--assess.tolerances", "1e-5, 1e-8", "--assess.designs", "3", "--assess.repeats", "1",
-             "--lattice.increment", "0.25")
-
     def test_tables_are_printed_and_open_in_xarray(self):
         import xarray as xr  # slow to import, and used by two tests only
         job = self.write("job.cfg", f"[assess]\nscenes = {JOBS}/extreme/long_steps.cfg\n"
                                     f"extremes = {JOBS}/extreme/upright.cfg\n")
-        done = self.run_program("assess", job, *self.SMALL, ranks=2)
+        done = self.run_program("assess", job, *SMALL_ASSESSMENT, ranks=2)
         for title in ("References", "Errors of each solver", "Extreme scenes", "Order of convergence",
                       "largest step", "A small oscillation", "whole lattice", "The cheapest solver"):
             self.assertIn(title, done.stdout)
@@ -34,42 +30,42 @@ class Assess(CommandTest):
         self.assertEqual(data.error_median.attrs["units"], "m s-1")
         with h5py.File(self.path("job-assess.h5")) as file:
             self.assertIn("time-steps = 0.01, 0.005", file.attrs["job"])
-        self.assert_refused(["assess", job, *self.SMALL], "output.file", "already exists")
-        self.run_program("assess", job, *self.SMALL, "--overwrite", "--progress", "none")
+        self.assert_refused(["assess", job, *SMALL_ASSESSMENT], "output.file", "already exists")
+        self.run_program("assess", job, *SMALL_ASSESSMENT, "--overwrite", "--progress", "none")
 
     def test_scene_options_apply_to_all_scenes(self):
         job = self.write("two.cfg", f"[assess]\nscenes = {JOBS}/extreme/no_beam.cfg\n")
-        tables = [self.run_program("assess", job, *self.SMALL, "--overwrite", *options).stdout
+        tables = [self.run_program("assess", job, *SMALL_ASSESSMENT, "--overwrite", *options).stdout
                   for options in ([], ["--scene.gravity", "20"], ["--scene.file", f"{JOBS}/scenes/friction.cfg"])]
         speeds = [table.split("Errors of each")[0] for table in tables]  # the reference speeds
         self.assertEqual(len(set(speeds)), 3)
 
     def test_without_scenes_the_jobs_own_scene_is_assessed(self):
-        done = self.run_program("assess", self.job, *self.SMALL, ranks=2)
+        done = self.run_program("assess", self.job, *SMALL_ASSESSMENT, ranks=2)
         self.assertIn("scene job", done.stdout)
 
     def test_a_sweep_and_an_assessment_of_a_job_have_archives_of_their_own(self):
-        done = self.run_program("assess", self.job, *self.SMALL)
+        done = self.run_program("assess", self.job, *SMALL_ASSESSMENT)
         self.assertIn("archive   job-assess.h5", done.stdout)
-        self.run_program("sweep", self.job, *self.SMALL[-2:])
+        self.run_program("sweep", self.job, *SMALL_ASSESSMENT[-2:])
         self.assertEqual(sorted(os.listdir(self.directory)), ["job-assess.h5", "job.cfg", "job.h5"])
 
     def test_sweeps_and_assessments_do_not_replace_each_other(self):
-        file, lattice = ("--output.file", "job.h5"), self.SMALL[-2:]
-        self.run_program("assess", self.job, *self.SMALL, *file)
+        file, lattice = ("--output.file", "job.h5"), SMALL_ASSESSMENT[-2:]
+        self.run_program("assess", self.job, *SMALL_ASSESSMENT, *file)
         self.assert_refused(["sweep", self.job, *lattice], "job.h5", "holds an assessment")
         self.run_program("sweep", self.job, *lattice, "--overwrite")
         done = self.run_program("sweep", self.job, *lattice, ranks=2)
         self.assertIn("complete archive of this job", done.stderr)
-        self.assert_refused(["assess", self.job, *self.SMALL, *file], "job.h5", "already exists")
+        self.assert_refused(["assess", self.job, *SMALL_ASSESSMENT, *file], "job.h5", "already exists")
 
     def test_an_assessment_does_not_replace_an_unfinished_sweep(self):
         self.run_program("sweep", self.job, *COARSE, "--output.file", "job-assess.h5", "--time-limit", "1e-9", code=75)
-        self.assert_refused(["assess", self.job, *self.SMALL, "--overwrite"], "unfinished sweep")
+        self.assert_refused(["assess", self.job, *SMALL_ASSESSMENT, "--overwrite"], "unfinished sweep")
 
     def test_info_describes_an_assessment(self):
         os.symlink("far.h5", self.path("job-assess.h5"))
-        self.run_program("assess", self.job, *self.SMALL)
+        self.run_program("assess", self.job, *SMALL_ASSESSMENT)
         self.assertEqual(os.readlink(self.path("job-assess.h5")), "far.h5")
         text = self.run_program("info", "job-assess.h5").stdout
         for words in ("job-assess.h5, an assessment", "accuracy", "reference", "source    trebsweep", "[assess]", "assess "):

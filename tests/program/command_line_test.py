@@ -11,7 +11,7 @@ import unittest
 import h5py
 import numpy as np
 
-from commands import COARSE, CommandTest
+from commands import COARSE, SMALL_ASSESSMENT, CommandTest
 from support import JOBS, MPIEXEC, PROGRAM, mpirun
 
 
@@ -110,7 +110,7 @@ class Streams(CommandTest):
             ("trace", self.job, *self.UNDERGROUND): 0,
             ("optimum", self.job, "--progress", "bar"): 0,
             ("optimum", self.job, "--optimum.subject-to", "speed >= 1e6"): 1,
-            ("assess", self.job, *Assess.SMALL, "--output.file", "assess.h5"): 0,
+            ("assess", self.job, *SMALL_ASSESSMENT, "--output.file", "assess.h5"): 0,
         }
         for name, redirection in self.BROKEN.items():
             self.setUp()
@@ -164,7 +164,7 @@ class Stdin(CommandTest):
                                 for job in (self.job, "-"))
                 seconds = r'"seconds": [^,}]*'
                 self.assertEqual(re.sub(seconds, "", piped), re.sub(seconds, "", alone))
-        done = self.redirected("<job.cfg", PROGRAM, "assess", "-", *Assess.SMALL)
+        done = self.redirected("<job.cfg", PROGRAM, "assess", "-", *SMALL_ASSESSMENT)
         self.assertIn("scene job", done.stdout)
         self.assertEqual(sorted(os.listdir(self.directory)), ["job-assess.h5", "job.cfg"])
 
@@ -302,83 +302,6 @@ class Trace(CommandTest):
         self.assert_refused(["trace", self.job, "--r1", "x", "--r2", "1", "--r3", "1"], "r1 = x")
         self.assert_refused(["trace", self.job, "--r1", "0.3", "--r2", "1", "--r3", "1"],
                             "r1 = 0.3", "0.5")
-
-
-class Assess(CommandTest):
-    SMALL = ("--assess.steppers", "euler, dopri5, rosenbrock4", "--assess.time-steps", "0.01, 0.005",
-             "--assess.tolerances", "1e-5, 1e-8", "--assess.designs", "3", "--assess.repeats", "1",
-             "--lattice.increment", "0.25")
-
-    def test_tables_are_printed_and_open_in_xarray(self):
-        import xarray as xr  # slow to import, and used by two tests only
-        job = self.write("job.cfg", f"[assess]\nscenes = {JOBS}/extreme/long_steps.cfg\n"
-                                    f"extremes = {JOBS}/extreme/upright.cfg\n")
-        done = self.run_program("assess", job, *self.SMALL, ranks=2)
-        for title in ("References", "Errors of each solver", "Extreme scenes", "Order of convergence",
-                      "largest step", "A small oscillation", "whole lattice", "The cheapest solver"):
-            self.assertIn(title, done.stdout)
-        self.assertIn("not_released", done.stdout)
-        for engine in ("netcdf4", "h5netcdf"):
-            with xr.open_dataset(self.path("job-assess.h5"), group="accuracy", engine=engine) as data:
-                frame = data.to_dataframe()
-        self.assertEqual(list(frame.scene.unique()), ["long_steps"])
-        dopri5 = frame[frame.stepper == "dopri5"]
-        self.assertLess(dopri5.error_largest.iloc[1], 1e-2 * dopri5.error_largest.iloc[0])
-        self.assertTrue((frame.seconds > 0).all())
-        self.assertEqual(data.error_median.attrs["units"], "m s-1")
-        with h5py.File(self.path("job-assess.h5")) as file:
-            self.assertIn("time-steps = 0.01, 0.005", file.attrs["job"])
-        self.assert_refused(["assess", job, *self.SMALL], "output.file", "already exists")
-        self.run_program("assess", job, *self.SMALL, "--overwrite", "--progress", "none")
-
-    def test_scene_options_apply_to_all_scenes(self):
-        job = self.write("two.cfg", f"[assess]\nscenes = {JOBS}/extreme/no_beam.cfg\n")
-        tables = [self.run_program("assess", job, *self.SMALL, "--overwrite", *options).stdout
-                  for options in ([], ["--scene.gravity", "20"], ["--scene.file", f"{JOBS}/scenes/friction.cfg"])]
-        speeds = [table.split("Errors of each")[0] for table in tables]  # the reference speeds
-        self.assertEqual(len(set(speeds)), 3)
-
-    def test_without_scenes_the_jobs_own_scene_is_assessed(self):
-        done = self.run_program("assess", self.job, *self.SMALL, ranks=2)
-        self.assertIn("scene job", done.stdout)
-
-    def test_a_sweep_and_an_assessment_of_a_job_have_archives_of_their_own(self):
-        done = self.run_program("assess", self.job, *self.SMALL)
-        self.assertIn("archive   job-assess.h5", done.stdout)
-        self.run_program("sweep", self.job, *self.SMALL[-2:])
-        self.assertEqual(sorted(os.listdir(self.directory)), ["job-assess.h5", "job.cfg", "job.h5"])
-
-    def test_sweeps_and_assessments_do_not_replace_each_other(self):
-        file, lattice = ("--output.file", "job.h5"), self.SMALL[-2:]
-        self.run_program("assess", self.job, *self.SMALL, *file)
-        self.assert_refused(["sweep", self.job, *lattice], "job.h5", "holds an assessment")
-        self.run_program("sweep", self.job, *lattice, "--overwrite")
-        done = self.run_program("sweep", self.job, *lattice, ranks=2)
-        self.assertIn("complete archive of this job", done.stderr)
-        self.assert_refused(["assess", self.job, *self.SMALL, *file], "job.h5", "already exists")
-
-    def test_an_assessment_does_not_replace_an_unfinished_sweep(self):
-        self.run_program("sweep", self.job, *COARSE, "--output.file", "job-assess.h5", "--time-limit", "1e-9", code=75)
-        self.assert_refused(["assess", self.job, *self.SMALL, "--overwrite"], "unfinished sweep")
-
-    def test_info_describes_an_assessment(self):
-        os.symlink("far.h5", self.path("job-assess.h5"))
-        self.run_program("assess", self.job, *self.SMALL)
-        self.assertEqual(os.readlink(self.path("job-assess.h5")), "far.h5")
-        text = self.run_program("info", "job-assess.h5").stdout
-        for words in ("job-assess.h5, an assessment", "accuracy", "reference", "source    trebsweep", "[assess]", "assess "):
-            self.assertIn(words, text)
-
-    def test_missing_scene_files_are_refused(self):
-        self.assert_refused(["assess", self.job, "--assess.scenes", "nowhere.cfg"], "nowhere.cfg")
-
-    def test_a_sweep_meets_its_target_error(self):
-        job = self.write("target.cfg", "[solver]\nstepper = dopri5\ntarget-error = 1e-5\n")
-        done = self.run_program("sweep", job, *COARSE, "--output.fields", "speed, speed-error", ranks=2)
-        self.assertIn("tolerance ", done.stderr)
-        with h5py.File(self.path("target.h5")) as file:
-            self.assertLess(np.nanmax(np.abs(file["speed_error"])), 1e-5)
-        self.run_program("sweep", job, *COARSE, "--output.fields", "speed, speed-error")  # already complete
 
 
 if __name__ == "__main__":

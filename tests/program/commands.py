@@ -6,6 +6,9 @@ from support import PROGRAM, DirectoryTest
 
 KERNELS = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
 COARSE = ("--lattice.increment", "0.1")
+SMALL_ASSESSMENT = ("--assess.steppers", "euler, dopri5, rosenbrock4", "--assess.time-steps", "0.01, 0.005",
+                    "--assess.tolerances", "1e-5, 1e-8", "--assess.designs", "3", "--assess.repeats", "1",
+                    "--lattice.increment", "0.25")
 
 
 def wide_kernels():

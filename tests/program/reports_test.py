@@ -10,7 +10,6 @@ import numpy as np
 from scripts import PictureTest
 import assess
 import loads
-import maps
 from archive import AXES, Archive
 from archives import h5py
 from picture import plt

@@ -17,6 +17,8 @@ import heatmap
 from archive import AXES, OPTIMUM, Archive
 from picture import plt
 
+plt.figure  # imports matplotlib, before the first fork
+
 SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml", "eps": b"%!PS", "jpg": b"\xff\xd8"}
 SCRIPTS = ("assess.py", "compare.py", "heatmap.py", "loads.py", "optimum.py", "rules.py", "sobol.py", "study.py",
            "trajectory.py")
