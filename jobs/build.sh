@@ -10,7 +10,7 @@ packages=(cmake g++ libboost-dev libboost-program-options-dev libeigen3-dev libf
           python3-matplotlib python3-numpy)
 options=(-DTREBSWEEP_TESTS=OFF) # other cached options are kept, which avoids a rebuild
 if [[ ${1:-} == --tests ]]; then
-  options=(-DTREBSWEEP_TESTS=numerics -DTREBSWEEP_WERROR=ON -DTREBSWEEP_INSTRUCTION_SETS=all)
+  options=(-DTREBSWEEP_TESTS=numerics -DTREBSWEEP_WERROR=ON -DTREBSWEEP_INSTRUCTION_SETS=supported)
   packages+=(catch2 libgsl-dev libsundials-dev python3-h5netcdf python3-netcdf4 python3-xarray)
 fi
 
