@@ -17,7 +17,7 @@ trap 'rm -rf "$directory"' EXIT
 cd "$directory"
 
 draw() { # PICTURE SCRIPT ARGUMENTS...
-  "$python" -B "$repository/analysis/$2.py" "${@:3}" -o "$pictures/$1" >/dev/null
+  "$python" -B "$repository/analysis/$2.py" -o "$pictures/$1" "${@:3}" >/dev/null
 }
 sweep() { # JOB ARCHIVE OPTIONS...
   "$program" sweep "$repository/jobs/$1.cfg" --output.file "$2" --progress none "${@:3}" >/dev/null 2>&1

@@ -95,7 +95,7 @@ TEST_CASE("The stiffness of an overdamped sling is close to the decay rate of it
   CHECK(decay < 1.1 * damper);
 }
 
-TEST_CASE("In a stiff scene, steps become unusable near the largest stable step") {
+TEST_CASE("In a stiff scene, steps become unusable near the largest stable step", "[slow]") {
   Scene scene;
   scene.sling_stiffness = 1e7;
   const Reference truth = reference(scene, paper_optimum, limits());
@@ -118,8 +118,8 @@ TEST_CASE("On a beam that hardly moves, a hanger oscillates as a pendulum") {
   CHECK(observed == Approx(predicted).epsilon(0.01));
 }
 
-TEST_CASE(
-    "Steppers converge at their theoretical order over whole swings, also across a lift-off") {
+TEST_CASE("Steppers converge at their theoretical order over whole swings, also across a lift-off",
+          "[slow]") {
   using Designs = std::vector<Design<double>>;
   const auto check = [](const Scene& scene, const Designs& designs) {
     std::vector<Reference> references;

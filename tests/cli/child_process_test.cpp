@@ -18,7 +18,8 @@ TEST_CASE("A function that returns or throws completes, without effects on this 
   CHECK(calls == 0);
 }
 
-TEST_CASE("A crash, an exit and an endless loop do not complete, and an endless wait is an error") {
+TEST_CASE("A crash, an exit and an endless loop do not complete, and an endless wait is an error",
+          "[slow]") {
   CHECK_FALSE(completes_in_child([] { std::abort(); }, 10, 10));
   CHECK_FALSE(completes_in_child([] { std::raise(SIGSEGV); }, 10, 10));
   CHECK_FALSE(completes_in_child([] { std::_Exit(3); }, 10, 10));

@@ -267,7 +267,7 @@ void check_least(const Job& job, const Design<double>& design, double size = 1) 
 
 }  // namespace
 
-TEST_CASE("The comments say where and when heights and tensions of the rows are least") {
+TEST_CASE("The comments say where and when heights and tensions of the rows are least", "[slow]") {
   Job job = sunken();
   check_least(job, sunken_machine, 1000);
   job.scene.start_angle = 0.99;

@@ -21,8 +21,8 @@ Job job_with_target(const std::string& stepper, double target) {
 
 }  // namespace
 
-TEST_CASE(
-    "The tolerance for a target error meets it on the whole lattice without being too tight") {
+TEST_CASE("The tolerance for a target error meets it on the whole lattice without being too tight",
+          "[slow]") {
   for (const std::string stepper : {"cash_karp54", "dopri5", "fehlberg78", "vern7", "vern8"})
     for (const double target : {1e-3, 1e-6, 1e-9}) {
       const Job job = job_with_target(stepper, target);

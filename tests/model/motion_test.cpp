@@ -90,7 +90,8 @@ void set_to_rest(Sample<E>& sample) {
 
 }  // namespace
 
-TEST_CASE("The equations of motion are those of the Lagrangian for every combination of effects") {
+TEST_CASE("The equations of motion are those of the Lagrangian for every combination of effects",
+          "[slow]") {
   for_all_effects([]<Effects E>() {
     std::mt19937 random(20100101);
     for (int i = 0; i < 1000; ++i) {

@@ -74,7 +74,8 @@ TEST_CASE("A robust search leaves room for the deviation above the bounds of wha
   CHECK(space_of(job_with({{"lattice.r1", "0.505"}}), 0.01).lower[0] == 0.505);  // is kept
 }
 
-TEST_CASE("No design nearby has a better worst case or expected value than the one found") {
+TEST_CASE("No design nearby has a better worst case or expected value than the one found",
+          "[slow]") {
   constexpr double deviation = 0.005;
   const Job plain;
   const Job limited = job_with({{"optimum.subject-to", "peak-axle-load <= 1.6e5"}});

@@ -32,7 +32,8 @@ class Numbers(PageTest):
         self.assertLess(float(error[1]), 1e-6)
         self.assertEqual(self.text("readout.status"), "released")
 
-    def test_a_plane_of_10000_designs_takes_less_than_a_second(self):
+    def test_a_plane_of_10000_designs_takes_as_long_as_a_few_on_one_core(self):
+        import h5py
         self.open(FULL_PLANE)
         times = []
         for n in range(20):
@@ -41,10 +42,14 @@ class Numbers(PageTest):
             designs, milliseconds = re.findall(r"\d+", self.text("cost"))
             self.assertEqual(designs, "10000")
             times.append(int(milliseconds))
+        self.run_program("sweep", f"{JOBS}/accurate.cfg", "--lattice.r1", "0.55:0.74:0.01", "--lattice.r3", "0.3:0.6:0.003",
+                         "--lattice.r2", "0.3:0.9:0.006", "--output.file", "native.h5", "--solver.check", "no")
+        with h5py.File(self.path("native.h5")) as archive:
+            native = 1000 * archive.attrs["integration_seconds"] / 20  # ms per plane
         paint = self.script("return performance.getEntriesByType('paint')[0].startTime")
-        print(f"a plane of 10,000 designs: {min(times)} ms at best, {sorted(times)[10]} ms in the median; "
-              f"first paint after {paint:.0f} ms")
-        self.assertLess(min(times), 1000)
+        print(f"a plane of 10,000 designs: {min(times)} ms at best, {sorted(times)[10]} ms in the median, natively "
+              f"{native:.1f} ms on one core; first paint after {paint:.0f} ms")
+        self.assertLess(min(times), 20 * native)
 
     def test_random_scenes_and_designs_agree_with_trace(self):
         released = 0

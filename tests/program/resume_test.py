@@ -337,7 +337,10 @@ class Stops(ResumeTest):
         start = time.time()
         launcher.send_signal(signal.SIGUSR1)
         self.assert_stopped(launcher, self.finish(launcher, codes=(75,)))
-        self.assertLess(time.time() - start, 20)
+        stop = time.time() - start
+        self.run_program("trace", "slow.cfg", "--r1", "0.6", "--r3", "0.5", "--r2", "0.8", "--interval", "1")
+        one_design = time.time() - start - stop
+        self.assertLess(stop, 100 * one_design)  # of the thousands in a tile
 
     def test_every_run_makes_progress_however_short_its_time(self):
         done = 0
@@ -348,14 +351,15 @@ class Stops(ResumeTest):
         self.run_sweep(2)
         self.assert_complete()
 
-    def test_a_sweep_of_many_tiles_stops_within_seconds(self):
+    def test_a_sweep_of_many_tiles_stops_about_as_fast_as_it_starts(self):
+        start = time.time()
         launcher = self.launch(2, "--lattice.r1", "0.6:1.39:0.01", "--lattice.r3", "0.4:1.19:0.01", "--lattice.r2",
                                "0.3:1.29999:1e-6", "--output.fields", "status")
         self.wait_for("job.h5.partial/sweep.json", launcher)
-        start = time.time()
+        started = time.time() - start
         launcher.send_signal(signal.SIGUSR1)
         self.assert_stopped(launcher, self.finish(launcher, codes=(75,)))
-        self.assertLess(time.time() - start, 20)
+        self.assertLess(time.time() - start - started, 20 * started)
 
 
 class Partials(ResumeTest):

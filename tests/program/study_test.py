@@ -202,15 +202,16 @@ class BadInput(CommandTest):
 
     def test_more_than_a_million_scenes_are_refused_whatever_the_number_of_axes(self):
         many = "1:1000000:1"
+        start = time.time()
         self.assert_refused(["sweep", self.job, "--scene.projectile-mass=1:1001:1", "--scene.fulcrum-height=1:2:0.001"],
                             "scene.fulcrum-height = 1:2:0.001: must be fewer values", "1002001 scenes",
                             "at most 1000000 are allowed")
         keys = ("gravity", "counterweight-mass", "projectile-mass", "release-height", "fulcrum-height", "beam-density", "beam-side",
                 "pivot-viscosity", "pivot-friction", "sling-mass", "counterweight-hanger", "projectile-diameter", "wind")
-        start = time.time()
+        a_million = time.time() - start
         self.assert_refused(["sweep", self.job, *(f"--scene.{key}={many}" for key in keys)],
                             f"scene.counterweight-mass = {many}: must be fewer values", "1000000000000 scenes")
-        self.assertLess(time.time() - start, 5)
+        self.assertLess(time.time() - start, 20 * a_million)
 
     def test_maps_that_do_not_fit_the_disk_are_refused(self):
         study = ["sweep", self.job, "--lattice.increment=0.01", "--output.fields=speed"]

@@ -168,7 +168,8 @@ double chosen_value(const RandomSwing& random, Solver solver) {
 
 }  // namespace
 
-TEST_CASE("Releases farthest and fastest have the largest range and speed of a fine sampling") {
+TEST_CASE("Releases farthest and fastest have the largest range and speed of a fine sampling",
+          "[slow]") {
   const auto swings = random_swings(200);
   struct Case {
     std::string stepper;
@@ -230,7 +231,7 @@ SwingResult release_by_pin(const RandomSwing& random, double angle, Solver solve
 
 }  // namespace
 
-TEST_CASE("No pin throws farther or faster than the best release, which a pin can make") {
+TEST_CASE("No pin throws farther or faster than the best release, which a pin can make", "[slow]") {
   std::vector<RandomSwing> swings = random_swings(60);
   for (std::size_t i = 40; i < swings.size(); ++i)  // the projectile may pass below the ground
     swings[i].machine.scene.fulcrum_height *= 0.6;

@@ -66,7 +66,7 @@ Observed observe_swing(const Machine& m, const Solver& solver, Outcome<double, E
 
 }  // namespace
 
-TEST_CASE("Loads and losses are those up to the release by every rule") {
+TEST_CASE("Loads and losses are those up to the release by every rule", "[slow]") {
   constexpr std::array fields{Field::least_sling_tension, Field::peak_sling_tension,
                               Field::peak_axle_load,      Field::peak_hanger_tension,
                               Field::lift_off_time,       Field::energy_drift};

@@ -120,7 +120,7 @@ TEST_CASE("Swings of known machines agree with extended precision by every rule 
     }
 }
 
-TEST_CASE("A hanger of 1 nm gives the speeds of a fixed counterweight") {
+TEST_CASE("A hanger of 1 nm gives the speeds of a fixed counterweight", "[slow]") {
   // From a horizontal arm: otherwise the hanger would swing at 10 kHz from the start, and the arm
   // with it.
   const auto check = [](Machine m, Release release) {
@@ -173,7 +173,8 @@ TEST_CASE("A scaled machine has the scaled swing") {
     }
 }
 
-TEST_CASE("A swing alone has the bits of the same swing in a lattice, by every stepper and rule") {
+TEST_CASE("A swing alone has the bits of the same swing in a lattice, by every stepper and rule",
+          "[slow]") {
   for (const std::string name : {"A", "B", "D", "E"}) {
     const auto [r1, r3, r2] = machine(name).design;
     std::vector<Design<double>> designs;

@@ -157,7 +157,7 @@ TEST_CASE("Accurate values of all quantities agree with references to 1e-11") {
     }
 }
 
-TEST_CASE("References agree with quadruple precision within their bounds") {
+TEST_CASE("References agree with quadruple precision within their bounds", "[slow]") {
   using Quad = boost::multiprecision::cpp_bin_float_quad;
   const auto check = []<Effects E>(const Machine& m, Release release) {
     Solver solver;

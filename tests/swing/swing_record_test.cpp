@@ -136,7 +136,7 @@ Swung swing_finely(const Scene& scene, const Design<double>& design, const Solve
 
 }  // namespace
 
-TEST_CASE("Recorded peaks of every stepper equal those of a fine sampling of its swing") {
+TEST_CASE("Recorded peaks of every stepper equal those of a fine sampling of its swing", "[slow]") {
   Scene friction, elastic;
   friction.pivot_friction = 510;
   friction.pivot_viscosity = 20;

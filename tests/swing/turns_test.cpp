@@ -124,7 +124,7 @@ TEST_CASE("Energy is kept, and the projectile at its height while it slides") {
   }
 }
 
-TEST_CASE("The projectile lifts off when the normal force first is zero") {
+TEST_CASE("The projectile lifts off when the normal force first is zero", "[slow]") {
   int lifted = 0, turned = 0;
   const auto check = [&]<Effects E>(const Machine& m) {
     constexpr double max_time = 4;
