@@ -31,16 +31,6 @@ struct Context {
   MPI_Comm comm;
 };
 
-/// Refuses to mix ranks with and without fused multiply-add: results would depend on the rank that
-/// computed them. Collective.
-void check_kernels(MPI_Comm comm) {
-  const double fused = has_fma(instruction_set()) ? 1 : 0;
-  if (mpi::max(fused, comm) + mpi::max(-fused, comm) != 0)
-    throw mpi::RootError(
-        "some ranks are on machines with fused multiply-add (FMA) and some on machines without: "
-        "their results differ in the last digits; use nodes of one kind");
-}
-
 /// Describes a new sweep. For rank 0.
 PartialSweep new_sweep(const Study& study, const SweepOptions& options, std::string replaces) {
   const Job& job = study.job();
@@ -177,9 +167,17 @@ void write_output(const Context& context, const OutputFile& output,
 
 }  // namespace
 
+void check_arithmetic(std::string_view instruction_set, MPI_Comm comm) {
+  const double fused = has_fma(instruction_set) ? 1 : 0;
+  if (mpi::max(fused, comm) + mpi::max(-fused, comm) != 0)
+    throw mpi::RootError(
+        "some ranks are on machines with fused multiply-add (FMA) and some on machines without: "
+        "their results differ in the last digits; use nodes of one kind");
+}
+
 std::optional<SweepResult> sweep(const Study& study, const SweepOptions& options, MPI_Comm comm) {
   const double start_time = MPI_Wtime();
-  check_kernels(comm);
+  check_arithmetic(instruction_set(), comm);
   // On rank 0 only; the first holds the lock.
   OutputFile output;
   PartialSweep description;

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from commands import COARSE, KERNELS, CommandTest, wide_kernels
-from support import JOBS, MPIEXEC, PROGRAM
+from support import JOBS
 
 
 class AccurateByDefault(CommandTest):
@@ -97,14 +97,6 @@ class Sweep(CommandTest):
                     maps.append([archive[field][...].tobytes()
                                  for field in ("speed", "release_time", "status")])
             self.assertEqual(maps[0], maps[1])
-
-    @unittest.skipUnless(wide_kernels(), "needs kernels with and without FMA")
-    def test_ranks_with_different_instruction_sets_are_refused(self):
-        rank = [PROGRAM, "sweep", self.job, *COARSE]
-        old = ["env", "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX512F,-AVX2", *rank]
-        done = self.run_command(MPIEXEC, "-n", "1", *rank, ":", "-n", "1", *old, code=1)
-        self.assertIn("trebsweep: some ranks are on machines with", done.stderr)
-        self.assertEqual(os.listdir(self.directory), ["job.cfg"])
 
     def test_effects_and_fields_are_bitwise_the_same_with_avx2_and_avx512_and_on_ranks(self):
         levels = ["x86-64-v3", "x86-64-v4"] if wide_kernels() else [""]

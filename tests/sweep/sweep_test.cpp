@@ -234,3 +234,15 @@ TEST_CASE("A sweep stopped repeatedly produces bitwise the same maps and the sam
     CHECK_FALSE(std::filesystem::exists(partial_path(stopped.path())));
   }
 }
+
+TEST_CASE("Ranks with and without fused multiply-add are refused together, and no others") {
+  const auto check = [](const char* first, const char* others) {
+    check_arithmetic(mpi::rank(MPI_COMM_WORLD) == 0 ? first : others, MPI_COMM_WORLD);
+  };
+  const char *baseline = "baseline (2 lanes)", *avx2 = "AVX2 with FMA (4 lanes)";
+  CHECK_NOTHROW(check(avx2, "AVX-512 (8 lanes)"));
+  CHECK_NOTHROW(check(baseline, baseline));
+  if (mpi::size(MPI_COMM_WORLD) == 1) return;
+  CHECK_THROWS_WITH(check(avx2, baseline), contains("use nodes of one kind"));
+  CHECK_THROWS_WITH(check(baseline, avx2), contains("use nodes of one kind"));
+}

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "trebsweep/archive/summary.hpp"
@@ -29,6 +30,11 @@ struct SweepResult {
   Summary summary;
   std::vector<ErrorSample> samples;  ///< of a complete sweep with solver.check
 };
+
+/// Refuses to mix ranks with and without fused multiply-add, whose results differ in the last
+/// digits. `instruction_set` is that of this rank's kernel. Collective. Throws mpi::RootError on
+/// all ranks.
+void check_arithmetic(std::string_view instruction_set, MPI_Comm comm);
 
 /// Integrates every design of the lattice in every scene, measures the error of the speeds, and
 /// writes the archive; continues an interrupted sweep of the same job. Collective; the result of a
