@@ -20,7 +20,7 @@ draw() { # PICTURE SCRIPT ARGUMENTS...
   "$python" -B "$repository/analysis/$2.py" -o "$pictures/$1" "${@:3}" >/dev/null
 }
 sweep() { # JOB ARCHIVE OPTIONS...
-  "$program" sweep "$repository/jobs/$1.cfg" --output.file "$2" --progress none "${@:3}" >/dev/null 2>&1
+  "$program" sweep "$repository/jobs/$1.cfg" --output.file "$2" --progress none "${@:3}" >/dev/null
 }
 
 sweep paper paper.h5

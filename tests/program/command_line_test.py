@@ -11,7 +11,7 @@ import unittest
 import h5py
 import numpy as np
 
-from commands import COARSE, SMALL_ASSESSMENT, CommandTest
+from commands import COARSE, DESIGN, SMALL_ASSESSMENT, CommandTest
 from support import JOBS, MPIEXEC, PROGRAM, mpirun
 
 
@@ -30,12 +30,12 @@ class Help(CommandTest):
             self.skipTest("can make only Open MPI's MPI_Init fail")
         self.assertNotEqual(self.run_program("sweep", self.job, *COARSE, code=None, environment=broken).returncode, 0)
         for arguments in (["--help"], ["--version"], ["sweep", "--help"], ["assess", "-h"],
-                          ["trace", self.job, *Trace.DESIGN], ["trace", "--help"]):
+                          ["trace", self.job, *DESIGN], ["trace", "--help"]):
             self.assertTrue(self.run_program(*arguments, environment=broken).stdout)
 
     def test_every_process_of_a_launcher_runs_the_serial_commands(self):
         self.run_program("sweep", self.job, *COARSE)
-        for arguments in (["--version"], ["--help"], ["info", "job.h5"], ["trace", self.job, *Trace.DESIGN]):
+        for arguments in (["--version"], ["--help"], ["info", "job.h5"], ["trace", self.job, *DESIGN]):
             alone = self.run_program(*arguments).stdout
             for variable in ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID"):
                 with self.subTest(arguments=arguments, variable=variable):
@@ -158,7 +158,7 @@ class Stdin(CommandTest):
         self.assertEqual(self.read("file.h5"), expected)
 
     def test_every_command_with_a_job_reads_stdin(self):
-        for command, *options in (["trace", *Trace.DESIGN], ["optimum", "--json"]):
+        for command, *options in (["trace", *DESIGN], ["optimum", "--json"]):
             with self.subTest(command=command):
                 alone, piped = (self.redirected("<job.cfg", PROGRAM, command, job, *options).stdout
                                 for job in (self.job, "-"))
@@ -263,45 +263,6 @@ class BadInput(CommandTest):
         self.assertEqual(done.stderr.count("scene.gravity = -1"), 1)
         done = self.run_program("sweep", "missing.cfg", ranks=2, code=2)
         self.assertEqual(done.stderr.count("No such file"), 1)
-
-
-class Trace(CommandTest):
-    DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
-
-    @staticmethod
-    def table(text):
-        """The rows below the comments, which numpy would take for the header."""
-        return np.genfromtxt([line for line in text.splitlines() if line[0] != "#"], names=True)
-
-    def test_comments_stand_only_above_the_header(self):
-        done = self.run_program("trace", os.path.join(JOBS, "paper.cfg"), *self.DESIGN)
-        lines = done.stdout.splitlines()
-        header = next(i for i, line in enumerate(lines) if line.startswith("t phi1 phi2 "))
-        self.assertTrue(all(line.startswith("# ") for line in lines[:header]))
-        self.assertNotIn("#", "".join(lines[header:]))
-        self.assertIn("# fulcrum-height = 1.5", lines)
-        table = self.table(done.stdout)
-        self.assertEqual(len(table), 93)
-        self.assertAlmostEqual(table["speed"][-1], 17.47606519, places=7)
-
-    def test_a_traced_swing_is_that_of_the_sweep(self):
-        self.run_program("sweep", self.job, *COARSE)
-        with h5py.File(self.path("job.h5")) as file:
-            best = {name: file.attrs[f"best_{name}"] for name in ("r1", "r2", "r3", "speed")}
-        options = [word for name in ("r1", "r2", "r3") for word in (f"--{name}", repr(float(best[name])))]
-        table = self.table(self.run_program("trace", self.job, *options).stdout)
-        self.assertAlmostEqual(table["speed"][-1], best["speed"], places=7)
-
-    def test_a_swing_without_release_is_reported(self):
-        done = self.run_program("trace", self.job, *self.DESIGN, "--solver.max-time", "0.3")
-        self.assertEqual(done.stderr, "the swing ends without a release: not_released: "
-                                      "no release before solver.max-time, or none above the ground\n")
-
-    def test_invalid_designs_are_refused(self):
-        self.assert_refused(["trace", self.job, "--r1", "1", "--r2", "1"], "--r3: missing")
-        self.assert_refused(["trace", self.job, "--r1", "x", "--r2", "1", "--r3", "1"], "r1 = x")
-        self.assert_refused(["trace", self.job, "--r1", "0.3", "--r2", "1", "--r3", "1"],
-                            "r1 = 0.3", "0.5")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 import os
 
+import numpy as np
+
 from support import PROGRAM, DirectoryTest
 
 KERNELS = os.path.join(os.path.dirname(PROGRAM), "lib", "glibc-hwcaps")
@@ -9,6 +11,12 @@ COARSE = ("--lattice.increment", "0.1")
 SMALL_ASSESSMENT = ("--assess.steppers", "euler, dopri5, rosenbrock4", "--assess.time-steps", "0.01, 0.005",
                     "--assess.tolerances", "1e-5, 1e-8", "--assess.designs", "3", "--assess.repeats", "1",
                     "--lattice.increment", "0.25")
+DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
+
+
+def table_of(text):
+    """The rows of a trace below its comments, which numpy would take for the header."""
+    return np.genfromtxt([line for line in text.splitlines() if line[0] != "#"], names=True)
 
 
 def wide_kernels():

@@ -47,8 +47,8 @@ lattice-seconds = 0
 
 
 def mistakes(fields):
-    """Texts that the program refuses, as {key: text}, for fields {key: its tag}. A mistake that several keys make is at
-    the last one."""
+    """Texts that the program refuses, as {key: text}, for fields {key: its tag}. A mistake between keys is shown at
+    the last of them."""
     is_one = lambda key, text: "," not in text and (":" not in text or not key.startswith("scene."))  # noqa: E731
     for keys, texts in REFUSED["values"]:
         one = [text for text in texts if is_one(keys[0], text)]
@@ -62,9 +62,10 @@ def wrong_files(fields):
     """The texts of job files with a mistake each, which cannot be made in the fields."""
     yield from REFUSED["files"]
     typed = list(mistakes(fields))
-    for together in REFUSED["together"]:
-        if together not in typed:
-            yield "".join(f"{key} = {text}\n" for key, text in together.items())
+    single = [{keys[0]: text} for keys, texts in REFUSED["values"] for text in texts if "#" not in text]
+    for job in [*single, *REFUSED["together"]]:
+        if job not in typed:
+            yield "".join(f"{key} = {text}\n" for key, text in job.items())
 
 
 def random_jobs(count):

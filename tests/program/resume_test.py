@@ -351,7 +351,7 @@ class Stops(ResumeTest):
         self.run_sweep(2)
         self.assert_complete()
 
-    def test_a_sweep_of_many_tiles_stops_about_as_fast_as_it_starts(self):
+    def test_a_sweep_of_many_tiles_stops_within_20_times_its_start(self):
         start = time.time()
         launcher = self.launch(2, "--lattice.r1", "0.6:1.39:0.01", "--lattice.r3", "0.4:1.19:0.01", "--lattice.r2",
                                "0.3:1.29999:1e-6", "--output.fields", "status")

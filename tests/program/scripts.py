@@ -2,6 +2,7 @@
 
 import os
 import runpy
+import signal
 import subprocess
 import sys
 import tempfile
@@ -56,6 +57,7 @@ def run_forked(directory, script, *arguments):
         child = os.fork()
         if child == 0:
             code = 1
+            signal.alarm(60)  # s: ends a script that hangs
             try:
                 for file, stream in ((out, 1), (err, 2)):
                     os.dup2(file.fileno(), stream)

@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy as np
 
-from commands import COARSE, CommandTest
+from commands import COARSE, CommandTest, table_of
 from support import JOBS
 
 
@@ -78,7 +78,7 @@ class Buildable(CommandTest):
         """The line names the bodies and tensions that the rows of the design's trace have below zero."""
         done = self.run_program("trace", self.job, *scene, *design, "--interval", "1e-4")
         comments = dict(re.findall(r"^# (\S+) = (\S+)$", done.stdout, re.MULTILINE))
-        rows = Trace.table(done.stdout)
+        rows = table_of(done.stdout)
         rows["y3"][rows["t"] < float(comments["lift-off-time"])] = 0
         heights = {body: rows[column].min() + 1.1 for body, column in self.BODIES.items()}
         below = re.findall(r"(the [a-z' ]+) reaches (\S+) m below the ground", line)
@@ -238,45 +238,6 @@ class BuiltMachines(CommandTest):
         for field, key in (("lift-off-time", "scene.trough"), ("peak-hanger-tension", "scene.counterweight-hanger")):
             self.assert_refused(["sweep", self.job, "--output.fields", field],
                                 f"output.fields = {field}: must be left out unless {key}")
-
-
-class Trace(CommandTest):
-    DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
-
-    @staticmethod
-    def table(text):
-        """The rows below the comments, which numpy would take for the header."""
-        return np.genfromtxt([line for line in text.splitlines() if line[0] != "#"], names=True)
-
-    def test_comments_stand_only_above_the_header(self):
-        done = self.run_program("trace", os.path.join(JOBS, "paper.cfg"), *self.DESIGN)
-        lines = done.stdout.splitlines()
-        header = next(i for i, line in enumerate(lines) if line.startswith("t phi1 phi2 "))
-        self.assertTrue(all(line.startswith("# ") for line in lines[:header]))
-        self.assertNotIn("#", "".join(lines[header:]))
-        self.assertIn("# fulcrum-height = 1.5", lines)
-        table = self.table(done.stdout)
-        self.assertEqual(len(table), 93)
-        self.assertAlmostEqual(table["speed"][-1], 17.47606519, places=7)
-
-    def test_a_traced_swing_is_that_of_the_sweep(self):
-        self.run_program("sweep", self.job, *COARSE)
-        with h5py.File(self.path("job.h5")) as file:
-            best = {name: file.attrs[f"best_{name}"] for name in ("r1", "r2", "r3", "speed")}
-        options = [word for name in ("r1", "r2", "r3") for word in (f"--{name}", repr(float(best[name])))]
-        table = self.table(self.run_program("trace", self.job, *options).stdout)
-        self.assertAlmostEqual(table["speed"][-1], best["speed"], places=7)
-
-    def test_a_swing_without_release_is_reported(self):
-        done = self.run_program("trace", self.job, *self.DESIGN, "--solver.max-time", "0.3")
-        self.assertEqual(done.stderr, "the swing ends without a release: not_released: "
-                                      "no release before solver.max-time, or none above the ground\n")
-
-    def test_invalid_designs_are_refused(self):
-        self.assert_refused(["trace", self.job, "--r1", "1", "--r2", "1"], "--r3: missing")
-        self.assert_refused(["trace", self.job, "--r1", "x", "--r2", "1", "--r3", "1"], "r1 = x")
-        self.assert_refused(["trace", self.job, "--r1", "0.3", "--r2", "1", "--r3", "1"],
-                            "r1 = 0.3", "0.5")
 
 
 if __name__ == "__main__":

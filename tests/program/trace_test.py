@@ -4,28 +4,20 @@ import os
 import unittest
 
 import h5py
-import numpy as np
 
-from commands import COARSE, CommandTest
+from commands import COARSE, DESIGN, CommandTest, table_of
 from support import JOBS
 
 
 class Trace(CommandTest):
-    DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
-
-    @staticmethod
-    def table(text):
-        """The rows below the comments, which numpy would take for the header."""
-        return np.genfromtxt([line for line in text.splitlines() if line[0] != "#"], names=True)
-
     def test_comments_stand_only_above_the_header(self):
-        done = self.run_program("trace", os.path.join(JOBS, "paper.cfg"), *self.DESIGN)
+        done = self.run_program("trace", os.path.join(JOBS, "paper.cfg"), *DESIGN)
         lines = done.stdout.splitlines()
         header = next(i for i, line in enumerate(lines) if line.startswith("t phi1 phi2 "))
         self.assertTrue(all(line.startswith("# ") for line in lines[:header]))
         self.assertNotIn("#", "".join(lines[header:]))
         self.assertIn("# fulcrum-height = 1.5", lines)
-        table = self.table(done.stdout)
+        table = table_of(done.stdout)
         self.assertEqual(len(table), 93)
         self.assertAlmostEqual(table["speed"][-1], 17.47606519, places=7)
 
@@ -34,11 +26,11 @@ class Trace(CommandTest):
         with h5py.File(self.path("job.h5")) as file:
             best = {name: file.attrs[f"best_{name}"] for name in ("r1", "r2", "r3", "speed")}
         options = [word for name in ("r1", "r2", "r3") for word in (f"--{name}", repr(float(best[name])))]
-        table = self.table(self.run_program("trace", self.job, *options).stdout)
+        table = table_of(self.run_program("trace", self.job, *options).stdout)
         self.assertAlmostEqual(table["speed"][-1], best["speed"], places=7)
 
     def test_a_swing_without_release_is_reported(self):
-        done = self.run_program("trace", self.job, *self.DESIGN, "--solver.max-time", "0.3")
+        done = self.run_program("trace", self.job, *DESIGN, "--solver.max-time", "0.3")
         self.assertEqual(done.stderr, "the swing ends without a release: not_released: "
                                       "no release before solver.max-time, or none above the ground\n")
 
