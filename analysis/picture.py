@@ -17,7 +17,7 @@ def import_pyplot():
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    warnings.filterwarnings("ignore", "Glyph .* missing from current font")  # in an archive's name
+    warnings.filterwarnings("ignore", "Glyph .* missing from ")  # in an archive's name
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # PostScript lacks transparency
     pyplot.rcParams["svg.hashsalt"] = "trebsweep"  # the same picture has the same bytes
     pyplot.rcParams["figure.constrained_layout.use"] = True

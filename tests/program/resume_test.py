@@ -544,8 +544,10 @@ class Faults(ResumeTest):
         self.assert_sound(options)
 
     def limited(self, ranks, kilobytes):
-        """A launcher with a limit of the size of files; for the program only: mpirun writes files of its own."""
-        return [MPIEXEC, "-n", str(ranks), "bash", "-c", f'ulimit -f {kilobytes}; exec "$@"', "limited"]
+        """A launcher with a limit of the size of files; for the program only: mpirun writes files of its own, and Open
+        MPI 5 shares memory by larger ones."""
+        return ["env", "OMPI_MCA_btl=self,tcp", "OMPI_MCA_btl_tcp_if_include=lo", MPIEXEC, "-n", str(ranks), "bash", "-c",
+                f'ulimit -f {kilobytes}; exec "$@"', "limited"]
 
     def test_a_file_size_limit_during_the_final_write_is_reported(self):
         with self.straight(COMPRESSED) as straight:
