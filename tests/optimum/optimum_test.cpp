@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <random>
 #include <string>
 
@@ -229,10 +228,8 @@ TEST_CASE("Limits that bind are satisfied, and no feasible design nearby is bett
 TEST_CASE("The optimum is never worse than the best of a sweep with a spacing of 5 mm") {
   if (!is_alone()) return;
   std::mt19937_64 random(2);
-  const int first = std::getenv("TREBSWEEP_MACHINES") ? 0 : 13;  // a sweep takes seconds
   for (int kind = 0; kind < 20; ++kind) {
     Job job = random_job(random, kind);
-    if (kind < first) continue;
     job.optimum.buildable = false;  // the sweep is of all designs
     const OptimumResult found = optimum_of(job);
     job.lattice.increment = 0.005;
