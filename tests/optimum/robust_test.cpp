@@ -53,6 +53,13 @@ TEST_CASE("A worst value inside the box is found between the points of a lattice
   CHECK(found.worst == Approx(exact.worst).epsilon(1e-3));
 }
 
+TEST_CASE("The designs that the worst and the expected value take are counted") {
+  std::uint64_t integrated = 0;
+  robustness(design_problem(Job{}, {0.52, 0.6, 0.9}), {0.52, 0.6, 0.9}, 0.01, integrated);
+  CHECK(integrated > 9 * 9 * 9);  // the lattice on which the search for the worst value starts
+  CHECK(integrated < 10'000);
+}
+
 TEST_CASE("There is no robustness where a design in the box has no release") {
   const auto found = robustness(Job{}, {0.505, 0.58, 0.9}, 0.01);  // r1 < h - h0 = 0.5 m
   CHECK(std::isnan(found.worst));
