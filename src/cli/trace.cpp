@@ -25,11 +25,16 @@ constexpr double max_rows = 1e7;
 constexpr double flight_tolerance = 1e-13;
 
 void check_start(const Scene& scene, const Design<double>& design) {
-  if (!start_is_reachable(scene, design.r1))
-    refuse("r1", fmt::format("{}", design.r1),
-           fmt::format("at least |{}| = {:.6g} m, to hold the counterweight at its height",
-                       scene.counterweight_hanger > 0 ? "h - h0 + r4" : "h - h0",
-                       std::abs(start_height(scene))));
+  if (!start_is_reachable(scene, design)) {
+    const std::string arm = scene.start_tip_height ? "r2" : "r1";
+    const char* const height = scene.start_tip_height           ? "h0 - start-tip-height"
+                               : scene.counterweight_hanger > 0 ? "h - h0 + r4"
+                                                                : "h - h0";
+    refuse(arm, fmt::format("{}", start_arm(scene, design)),
+           fmt::format("at least |{}| = {:.6g} m, to {}", height, std::abs(start_height(scene)),
+                       scene.start_tip_height ? "reach from the fulcrum to the tip's height"
+                                              : "hold the counterweight at its height"));
+  }
   if (!sling_reaches_trough(scene, design))
     refuse("r3", fmt::format("{}", design.r3),
            fmt::format("at least {:.6g} m, to reach the trough from the tip of the throwing arm",
@@ -124,7 +129,7 @@ Row swing_row(const Motion<double, E>& motion, const Mechanism<double, E>& mecha
   add("tension", loads.projectile_tension);
   add("tip_tension", loads.tip_tension);
   add("axle", loads.axle);
-  if (!scene.beam_mass && scene.beam_side > 0) add("stress", std::abs(loads.beam_stress));
+  if (has_beam_stress(scene)) add("stress", std::abs(loads.beam_stress));
   if constexpr (E.hanger) add("hanger_tension", loads.hanger_tension);
   if constexpr (E.trough) add("normal", motion.normal_force(x, directions));
   return row;

@@ -112,9 +112,16 @@ const std::vector<Key>& job_keys() {
           number(physical_or_zero), &Scene::beam_density),
       outer_key("scene.beam-side", "side of the beam's square cross-section", "m",
           number(physical_or_zero), &Scene::beam_side),
+      outer_key("scene.beam-width",
+          "width of the beam's rectangular cross-section, given with beam-depth instead of "
+          "beam-side", "m",
+          optional_of(number(physical)), &Scene::beam_width),
+      outer_key("scene.beam-depth",
+          "depth of the beam's rectangular cross-section, in the plane of the swing", "m",
+          optional_of(number(physical)), &Scene::beam_depth),
       key("scene.beam-inertia",
           "moment of inertia of the beam: that of a slender rod (the paper's), the exact one of a "
-          "square prism, or none", "",
+          "prism, or none", "",
           choice<BeamInertia>(beam_inertia_names), &Scene::beam_inertia),
       outer_key("scene.sling-angle",
           "initial angle phi2 of the sling, where 0 hangs straight down", "rad",
@@ -136,7 +143,7 @@ const std::vector<Key>& job_keys() {
           number(physical_or_zero), &Scene::sling_damping),
       outer_key("scene.beam-mass",
           "mass m2 of a measured beam, given with beam-centre and beam-moment instead of "
-          "beam-density, beam-side and beam-inertia", "kg",
+          "those of its density, section and inertia", "kg",
           optional_of(number(physical_or_zero)), &Scene::beam_mass),
       outer_key("scene.beam-centre",
           "distance from the fulcrum to the measured beam's centre of mass, positive towards the "
@@ -145,10 +152,20 @@ const std::vector<Key>& job_keys() {
       outer_key("scene.beam-moment",
           "moment of inertia of the measured beam about the fulcrum", "kg m^2",
           optional_of(number(physical_or_zero)), &Scene::beam_moment),
+      outer_key("scene.beam-section-modulus",
+          "section modulus of the measured beam at the fulcrum, for its stress", "m^3",
+          optional_of(number(physical)), &Scene::beam_section_modulus),
+      outer_key("scene.counterweight-inertia",
+          "moment of inertia of the counterweight about its own centre", "kg m^2",
+          number(physical_or_zero), &Scene::counterweight_inertia),
       outer_key("scene.start-angle",
           "initial angle phi1 of the counterweight arm, where 0 points straight up, instead of "
           "release-height", "rad",
           optional_of(number(half_turn)), &Scene::start_angle),
+      outer_key("scene.start-tip-height",
+          "height above the ground of the throwing arm's tip at the start, which determines phi1, "
+          "instead of release-height", "m",
+          optional_of(number(physical_or_zero)), &Scene::start_tip_height),
       outer_key("scene.counterweight-hanger",
           "length r4 of the hinged link on which the counterweight hangs from its arm, where 0 "
           "means that it is fixed to the arm", "m",

@@ -9,6 +9,7 @@
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/number.hpp"
+#include "trebsweep/model/start.hpp"
 
 namespace trebsweep {
 namespace {
@@ -138,7 +139,7 @@ void check_size(const std::array<AxisPlan, 3>& plans, const LatticeSpec& spec) {
 
 ArmBounds arm_bounds(const Scene& scene) {
   const double h0 = scene.fulcrum_height, r4 = scene.counterweight_hanger;
-  const double rise = scene.start_angle ? 0 : std::max(0.0, scene.release_height - h0 + r4);
+  const double rise = starts_at_release_height(scene) ? std::max(0.0, start_height(scene)) : 0;
   const char* const risen = r4 > 0 ? "h - h0 + r4" : "h - h0";
   return {rise, h0 - r4, rise > 0 ? risen : "0", r4 > 0 ? "h0 - r4" : "h0"};
 }

@@ -29,8 +29,12 @@ std::vector<std::string_view> steppers_with(bool tolerance) {
   return names;
 }
 
-/// Checks that a measured beam is complete and physically possible.
+/// Checks that a section is complete, and a measured beam also physically possible.
 void check_beam(const Scene& scene) {
+  if (scene.beam_width.has_value() != scene.beam_depth.has_value())
+    throw InputError(fmt::format("{}: must be given with {}: a section has both",
+                                 scene.beam_width ? "scene.beam-depth" : "scene.beam-width",
+                                 scene.beam_width ? "scene.beam-width" : "scene.beam-depth"));
   std::vector<std::string_view> given, missing;
   const auto sort_in = [&](const char* key, const std::optional<double>& value) {
     (value ? given : missing).push_back(key);
@@ -103,10 +107,11 @@ void check_release(const Solver& solver) {
 
 /// Why a scene does not have a field, as the rest of a message; empty if it has it.
 std::string why_absent(Field field, const Scene& scene) {
-  if (field == Field::peak_beam_stress && scene.beam_mass)
-    return "with scene.beam-mass: the cross-section of a measured beam is not known";
-  if (field == Field::peak_beam_stress && scene.beam_side == 0)
-    return "if scene.beam-side is 0: the beam then has no cross-section";
+  if (field == Field::peak_beam_stress && !has_beam_stress(scene))
+    return scene.beam_mass
+               ? "with scene.beam-mass, unless scene.beam-section-modulus is given: the "
+                 "cross-section of a measured beam is not known"
+               : "if scene.beam-side is 0: the beam then has no cross-section";
   if (field == Field::lift_off_time && !scene.trough)
     return "unless scene.trough is yes: there is no lift-off without a trough";
   if ((field == Field::peak_hanger_tension || field == Field::least_hanger_tension) &&
@@ -184,9 +189,18 @@ std::map<std::string, std::string> unused_keys(const Job& job) {
   };
   if (scene.start_angle)
     leave_out({"scene.release-height"}, " with scene.start-angle, which determines it");
+  if (scene.start_tip_height)
+    leave_out({"scene.release-height", "scene.start-angle"},
+              " with scene.start-tip-height, which determines it");
   if (scene.beam_mass)
-    leave_out({"scene.beam-density", "scene.beam-side", "scene.beam-inertia"},
+    leave_out({"scene.beam-density", "scene.beam-side", "scene.beam-width", "scene.beam-depth",
+               "scene.beam-inertia"},
               " with scene.beam-mass, beam-centre and beam-moment, which describe the whole beam");
+  else
+    leave_out({"scene.beam-section-modulus"},
+              " unless scene.beam-mass is given: it follows from the section of other beams");
+  if (scene.beam_width || scene.beam_depth)
+    leave_out({"scene.beam-side"}, " with scene.beam-width and beam-depth, which determine it");
   if (scene.trough)
     leave_out({"scene.sling-angle"}, " with scene.trough = yes, which determines it");
   if (scene.trough && !job.lattice.r3)

@@ -11,6 +11,7 @@
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/number.hpp"
 #include "trebsweep/job/key.hpp"
+#include "trebsweep/model/start.hpp"
 
 namespace trebsweep {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 /// What the lattice of a scene depends on.
 auto lattice_key(const Scene& scene) {
   return std::tuple(scene.fulcrum_height, scene.release_height, scene.counterweight_hanger,
-                    scene.start_angle.has_value(), scene.trough);
+                    starts_at_release_height(scene), scene.trough);
 }
 
 /// The values along an axis of all lattices, each once, in ascending order.

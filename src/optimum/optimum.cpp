@@ -198,8 +198,7 @@ std::vector<BuildValue> build_values(const DesignProblem& problem, const Design<
     fields.push_back(Field::peak_hanger_tension);
   }
   fields.push_back(Field::peak_axle_load);
-  if (!problem.scene.beam_mass && problem.scene.beam_side > 0)
-    fields.push_back(Field::peak_beam_stress);
+  if (has_beam_stress(problem.scene)) fields.push_back(Field::peak_beam_stress);
   const VectorXd values =
       field_values(problem.scene, problem.solver, Accuracy::high, {&design, 1}, fields);
   std::vector<BuildValue> all;

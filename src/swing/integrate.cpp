@@ -24,7 +24,7 @@ std::vector<double> separate_values(Field field, const Scene& scene, const Solve
                    [](const SwingResult& a, const SwingResult& b) { return a.speed - b.speed; });
   } else {
     std::transform(designs.begin(), designs.end(), values.begin(), [&](const auto& design) {
-      if (!start_is_reachable(scene, design.r1) || !sling_reaches_trough(scene, design))
+      if (!start_is_reachable(scene, design) || !sling_reaches_trough(scene, design))
         return std::numeric_limits<double>::quiet_NaN();
       const auto [modulus, decay] = stiffness(spectra(scene, design, solver));
       return field == Field::stiffness ? modulus : decay;

@@ -112,7 +112,7 @@ TEST_CASE("The message about an incomplete measured beam names what is missing a
   CHECK(parse_scene(beam).scene.beam_moment == 1.85);
 }
 
-TEST_CASE("A measured beam has no density, side or rule of inertia, and no stress") {
+TEST_CASE("A measured beam has no density, section or rule of inertia, and no stress") {
   for (const std::string key : {"beam-density = 7850", "beam-side = 0.1", "beam-inertia = prism"})
     CHECK_THROWS_WITH(parse_scene(beam + key),
                       contains("scene." + key + ": must be left out with scene.beam-mass"));
@@ -124,6 +124,23 @@ TEST_CASE("A measured beam has no density, side or rule of inertia, and no stres
       parse_scene("beam-side = 0\n" + stress),
       contains("output.fields = peak-beam-stress: must be left out if scene.beam-side is 0"));
   CHECK_NOTHROW(parse_scene(stress));
+  CHECK_NOTHROW(parse_scene(beam + "beam-section-modulus = 6.77e-5\n" + stress));
+  CHECK_THROWS_WITH(
+      parse_scene("beam-section-modulus = 6.77e-5\n"),
+      contains("scene.beam-section-modulus = 6.77e-5: must be left out unless scene.beam-mass is"));
+}
+
+TEST_CASE("A section is a width and a depth, or a side") {
+  CHECK_THROWS_WITH(
+      parse_scene("beam-width = 0.045\n"),
+      contains("scene.beam-depth: must be given with scene.beam-width: a section has both"));
+  CHECK_THROWS_WITH(
+      parse_scene("beam-width = 0.045\nbeam-depth = 0.095\nbeam-side = 0.1\n"),
+      contains("scene.beam-side = 0.1: must be left out with scene.beam-width and beam-depth"));
+  CHECK_THROWS_WITH(parse_scene(beam + "beam-width = 0.045\nbeam-depth = 0.095\n"),
+                    contains("scene.beam-depth = 0.095: must be left out with scene.beam-mass"));
+  const Job job = parse_scene("beam-width = 0.045\nbeam-depth = 0.095\n");
+  CHECK(to_text(job).find("beam-side") == std::string::npos);
 }
 
 TEST_CASE("Fields of the trough and of the hanger are refused in a scene without them") {
@@ -202,6 +219,10 @@ TEST_CASE("A start angle replaces the height of the counterweight") {
   CHECK_THROWS_WITH(parse_scene("start-angle = 0.55\nrelease-height = 2\n"),
                     contains("scene.release-height = 2: must be left out with scene.start-angle"));
   CHECK(parse_scene("start-angle = -0.55\n").scene.start_angle == -0.55);
+  for (const std::string key : {"start-angle = 0.5", "release-height = 2"})
+    CHECK_THROWS_WITH(parse_scene("start-tip-height = 0\n" + key),
+                      contains("scene." + key + ": must be left out with scene.start-tip-height"));
+  CHECK(parse_scene("start-tip-height = 0\n").scene.start_tip_height == 0);
 }
 
 TEST_CASE("A trough is below the fulcrum and determines the angle of the sling") {

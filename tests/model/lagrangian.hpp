@@ -40,12 +40,13 @@ struct Beam {
 /// The measured beam, or the mass of the computed one integrated over its length.
 inline Beam beam(const Scene& s, const Design<double>& d) {
   if (s.beam_mass) return {*s.beam_mass, -*s.beam_mass * *s.beam_centre, *s.beam_moment};
-  const double area = s.beam_side * s.beam_side, per_metre = s.beam_density * area;
+  const double depth = s.beam_depth.value_or(s.beam_side);
+  const double area = s.beam_width.value_or(s.beam_side) * depth, per_metre = s.beam_density * area;
   const double mass = per_metre * (d.r1 + d.r2);
   const double moment = per_metre * (d.r1 * d.r1 - d.r2 * d.r2) / 2;
   double inertia = per_metre * (std::pow(d.r1, 3) + std::pow(d.r2, 3)) / 3;
   if (s.beam_inertia == BeamInertia::none) inertia = 0;
-  if (s.beam_inertia == BeamInertia::prism) inertia += mass * area / 12;
+  if (s.beam_inertia == BeamInertia::prism) inertia += mass * depth * depth / 12;
   return {mass, moment, inertia};
 }
 
@@ -71,8 +72,11 @@ auto lagrangian(const Scene& s, const Design<double>& d, const Q1& q1, const Q2&
   const auto squared = [](const auto& x, const auto& y) { return x * x + y * y; };
   const auto sling = squared(vxt, vyt) + squared(vxt + vx3, vyt + vy3) + squared(vx3, vy3);
   const Beam b = beam(s, d);
-  const auto kinetic = 0.5 * s.counterweight_mass * squared(vx1, vy1) + 0.5 * b.inertia * v1 * v1 +
-                       0.5 * s.projectile_mass * squared(vx3, vy3) + s.sling_mass / 12 * sling;
+  const double with_arm = b.inertia + (r4 > 0 ? 0 : s.counterweight_inertia);
+  const double with_hanger = r4 > 0 ? s.counterweight_inertia : 0;
+  const auto kinetic = 0.5 * s.counterweight_mass * squared(vx1, vy1) + 0.5 * with_arm * v1 * v1 +
+                       0.5 * with_hanger * v3 * v3 + 0.5 * s.projectile_mass * squared(vx3, vy3) +
+                       s.sling_mass / 12 * sling;
   const auto at = positions(s, d, q1, q2, q3);
   const auto potential =
       s.gravity * (s.counterweight_mass * at.y1 + b.moment * cos(q1) + s.projectile_mass * at.y3 +
@@ -127,6 +131,11 @@ Sample<E> random_sample(std::mt19937& random) {
   scene.beam_density = uniform(0, 8000);
   scene.beam_side = uniform(0.01, 0.3);
   scene.beam_inertia = static_cast<BeamInertia>(random() % 3);
+  if (random() % 2 == 0) {
+    scene.beam_width = uniform(0.01, 0.3);
+    scene.beam_depth = uniform(0.01, 0.3);
+  }
+  if (random() % 2 == 0) scene.counterweight_inertia = uniform(0, 1000);
   if (random() % 2 == 0) scene.sling_mass = uniform(0, 100);
   if (random() % 2 == 0) {
     scene.beam_mass = uniform(1, 500);

@@ -148,7 +148,7 @@ TEST_CASE("The axle load is the sum of weights and inertial forces of all masses
   });
 }
 
-TEST_CASE("The hanger's tension and the weight are the only forces on the counterweight") {
+TEST_CASE("The hanger's tension is the force along it, and the only one that does not turn it") {
   for_all_effects([]<Effects E>() {
     std::mt19937 random(8);
     for (int i = 0; i < 100; ++i) {
@@ -161,8 +161,12 @@ TEST_CASE("The hanger's tension and the weight are the only forces on the counte
         const double fx = m1 * at.x1.derivative(2);
         const double fy = m1 * (at.y1.derivative(2) + s.scene.gravity);
         const double scale = 1e-9 * (std::hypot(fx, fy) + std::abs(normal_force(s)));
-        REQUIRE(std::abs(fx - tension * std::sin(s.x[phi3])) < scale);
-        REQUIRE(std::abs(fy - tension * std::cos(s.x[phi3])) < scale);
+        const double sine = std::sin(s.x[phi3]), cosine = std::cos(s.x[phi3]);
+        REQUIRE(std::abs(fx * sine + fy * cosine - tension) < scale);
+        // The transverse force at the hinge turns the counterweight about its centre.
+        const double torque = s.scene.counterweight_hanger * (fx * cosine - fy * sine);
+        REQUIRE(std::abs(torque - s.scene.counterweight_inertia * dxdt[w3]) <
+                scale * s.scene.counterweight_hanger);
       } else {
         REQUIRE(tension == 0);
       }
@@ -179,13 +183,16 @@ TEST_CASE("The bending moment balances on both sides of the fulcrum") {
     s.scene.beam_inertia = BeamInertia::slender;
     const Mechanism<double> mechanism(s.scene, s.design);
     const auto dxdt = rates(s);
-    const double side = s.scene.beam_side, per_metre = s.scene.beam_density * side * side;
+    const auto [width, depth] = beam_section(s.scene);
+    const double per_metre = s.scene.beam_density * width * depth;
     const double r1 = s.design.r1, sine = std::sin(s.x[phi1]), g = s.scene.gravity;
     const double m1 = s.scene.counterweight_mass;
-    const double moment = (m1 * r1 * r1 + per_metre * r1 * r1 * r1 / 3) * dxdt[w1] -
+    const double inertia = m1 * r1 * r1 + s.scene.counterweight_inertia;
+    const double moment = (inertia + per_metre * r1 * r1 * r1 / 3) * dxdt[w1] -
                           (m1 * g * r1 + per_metre * g * r1 * r1 / 2) * sine;
-    const double stress = 6 * std::abs(moment) / (side * side * side);
-    const double scale = 6 * m1 * r1 * (g + r1 * std::abs(dxdt[w1])) / (side * side * side);
+    const double modulus = width * depth * depth / 6;
+    const double stress = std::abs(moment) / modulus;
+    const double scale = (m1 * g * r1 + inertia * std::abs(dxdt[w1])) / modulus;
     REQUIRE(
         std::abs(std::abs(mechanism.loads(s.x, directions<Effects{}>(s.x), dxdt, 0).beam_stress) -
                  stress) < 1e-10 * scale);
@@ -204,7 +211,7 @@ TEST_CASE("A horizontal beam in equilibrium bends like a cantilever") {
   CHECK(loads.beam_stress == Approx(6 * 100 * 9.8 * 2 / 1e-3));
 }
 
-TEST_CASE("A measured beam, whose section is unknown, has no bending stress") {
+TEST_CASE("A measured beam has a bending stress if its section modulus is given") {
   Scene scene;
   scene.beam_mass = 10;
   scene.beam_centre = 0.2;
@@ -212,8 +219,29 @@ TEST_CASE("A measured beam, whose section is unknown, has no bending stress") {
   const Mechanism<double> mechanism(scene, {1, 1, 2});
   const State<double> x{1, 0, 0, 0}, still{};
   const auto loads = mechanism.loads(x, directions<Effects{}>(x), still, 0);
+  CHECK_FALSE(has_beam_stress(scene));
   CHECK(std::isnan(loads.beam_stress));
   CHECK(loads.axle == Approx((5000 + 10 + 100) * 9.8));
+
+  scene.beam_section_modulus = 6.77e-5;  // a beam of 45 x 95 mm
+  CHECK(has_beam_stress(scene));
+  const Mechanism<double> known(scene, {1, 1, 2});
+  const State<double> level{boost::math::double_constants::half_pi, 0, 0, 0};
+  const double stress = known.loads(level, directions<Effects{}>(level), still, 0).beam_stress;
+  CHECK(stress == Approx((100 * 2 + 10 * 0.2) * 9.8 / 6.77e-5));
+}
+
+TEST_CASE("The section modulus is that of a rectangle whose depth is in the plane of the swing") {
+  Scene scene;
+  scene.beam_width = 0.045;
+  scene.beam_depth = 0.095;
+  CHECK(1 / stress_per_moment(scene) == Approx(6.77e-5).epsilon(1e-3));
+  scene.beam_width = scene.beam_depth = scene.beam_side;
+  CHECK(stress_per_moment(scene) == stress_per_moment(Scene{}));
+  scene.beam_side = 0;
+  CHECK(has_beam_stress(scene));
+  scene.beam_width = scene.beam_depth = std::nullopt;
+  CHECK_FALSE(has_beam_stress(scene));
 }
 
 TEST_CASE("Sling, arms and hanger have their lengths in every state") {

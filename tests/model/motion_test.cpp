@@ -204,6 +204,11 @@ TEST_CASE("Lengths times L, times times sqrt(L) and masses times k scale the mot
       Scene& s = scaled.scene;
       for (double* mass : {&s.counterweight_mass, &s.projectile_mass, &s.sling_mass}) *mass *= k;
       for (double* metres : {&s.beam_side, &s.counterweight_hanger, &s.trough_height}) *metres *= L;
+      if (s.beam_width) {
+        *s.beam_width *= L;
+        *s.beam_depth *= L;
+      }
+      s.counterweight_inertia *= k * L * L;
       s.beam_density *= k / (L * L * L);
       if (s.beam_mass) {
         *s.beam_mass *= k;

@@ -32,8 +32,26 @@ TEST_CASE("A start angle replaces the release height") {
     scene.start_angle = 2.5;
     scene.release_height = 100;  // out of reach
     scene.sling_stiffness = 1e6;
-    REQUIRE(start_is_reachable(scene, 0.1));
+    REQUIRE(start_is_reachable(scene, {0.1, 1, 1}));
     REQUIRE(start<double, E>(scene, {0.1, 2, 0.5})[phi1] == 2.5);
+  });
+}
+
+TEST_CASE("The arm's tip starts at the height that is given") {
+  for_all_effects([]<Effects E>() {
+    Scene scene;
+    scene.sling_stiffness = 1e6;
+    scene.release_height = 100;  // out of reach
+    for (const double height : {0.0, 0.3, 1.5, 2.4}) {
+      scene.start_tip_height = height;
+      const Design<double> design{0.4, 3, 1.6};
+      REQUIRE(start_is_reachable(scene, design));
+      const auto tip = Mechanism<double, E>(scene, design).arm_tip(start<double, E>(scene, design));
+      REQUIRE(tip.y + scene.fulcrum_height == Approx(height).margin(1e-15));
+      REQUIRE(tip.x <= 0);
+    }
+    REQUIRE_FALSE(start_is_reachable(scene, {2, 3, 0.89}));
+    REQUIRE(start_is_reachable(scene, {0.1, 3, 0.9}));  // 2.4 - 1.5 is not quite 0.9
   });
 }
 
@@ -101,15 +119,15 @@ TEST_CASE("The initial angle is accurate near the upright position") {
 
 TEST_CASE("An arm shorter than |h - h0| cannot start") {
   Scene scene;
-  REQUIRE(start_is_reachable(scene, 0.5));
-  REQUIRE(start_is_reachable(scene, 0.51));
-  REQUIRE_FALSE(start_is_reachable(scene, 0.49));
+  REQUIRE(start_is_reachable(scene, {0.5, 1, 1}));
+  REQUIRE(start_is_reachable(scene, {0.51, 1, 1}));
+  REQUIRE_FALSE(start_is_reachable(scene, {0.49, 1, 1}));
   scene.release_height = 0.5;
-  REQUIRE(start_is_reachable(scene, 1.0));
-  REQUIRE_FALSE(start_is_reachable(scene, 0.99));
+  REQUIRE(start_is_reachable(scene, {1.0, 1, 1}));
+  REQUIRE_FALSE(start_is_reachable(scene, {0.99, 1, 1}));
   scene.release_height = 1.6;  // 1.6 - 1.5 is not quite 0.1
-  REQUIRE(start_is_reachable(scene, 0.1));
+  REQUIRE(start_is_reachable(scene, {0.1, 1, 1}));
   scene.counterweight_hanger = 0.5;  // raises the hinge
-  REQUIRE(start_is_reachable(scene, 0.6));
-  REQUIRE_FALSE(start_is_reachable(scene, 0.59));
+  REQUIRE(start_is_reachable(scene, {0.6, 1, 1}));
+  REQUIRE_FALSE(start_is_reachable(scene, {0.59, 1, 1}));
 }

@@ -142,11 +142,11 @@ pin-angle = 0.5)");
 
 TEST_CASE("The keys are the numeric ones in use, without effects that the scene lacks") {
   CHECK(numeric_scene_keys(Job{}) ==
-        std::vector<std::string>{"scene.gravity", "scene.counterweight-mass",
-                                 "scene.projectile-mass", "scene.release-height",
-                                 "scene.fulcrum-height", "scene.beam-density", "scene.beam-side",
-                                 "scene.sling-angle", "scene.pivot-viscosity",
-                                 "scene.pivot-friction", "scene.sling-mass"});
+        std::vector<std::string>{
+            "scene.gravity", "scene.counterweight-mass", "scene.projectile-mass",
+            "scene.release-height", "scene.fulcrum-height", "scene.beam-density", "scene.beam-side",
+            "scene.sling-angle", "scene.pivot-viscosity", "scene.pivot-friction",
+            "scene.sling-mass", "scene.counterweight-inertia"});
   const Job elastic = job_with({{"scene.sling-stiffness", "3e5"}, {"scene.start-angle", "0.9"}});
   const auto keys = numeric_scene_keys(elastic);
   for (const std::string name : {"sling-stiffness", "sling-damping", "start-angle"})

@@ -79,6 +79,7 @@ def random_jobs(count):
         if n % 2 == 0:
             job["scene.counterweight-hanger"] = number(0.1, 0.4)
             job["scene.start-angle"] = number(0.4, 1.2)
+            job["scene.counterweight-inertia"] = number(0, 300)
         if n % 3 == 0:
             job.update({"scene.trough": "yes", "scene.start-angle": number(0.5, 1.0)})
             design["r3"], design["r2"] = number(1.2, 1.6), number(1.3, 2.0)

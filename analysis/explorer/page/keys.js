@@ -42,10 +42,12 @@ export const groups = [
     number("scene.fulcrum-height", "fulcrum height h0", "m", physical, [0.2, 12]),
     number("scene.release-height", "counterweight's initial height h", "m", physical, [0.1, 20]),
     number("scene.start-angle", "initial angle phi1", "rad", openAngles, [0.05, 2.5]),
+    number("scene.start-tip-height", "initial height of the arm's tip", "m", physicalOrZero, [0, 5]),
     number("scene.gravity", "gravity g", "m/s^2", physical, [1, 25]),
   ] },
   { title: "Counterweight, trough and release", open: true, keys: [
     number("scene.counterweight-hanger", "hanger r4 (0: fixed)", "m", physicalOrZero, [0, 4]),
+    number("scene.counterweight-inertia", "counterweight's own moment of inertia", "kg m^2", physicalOrZero, [0, 5000]),
     choice("scene.trough", "trough"),
     number("scene.trough-height", "height of the trough", "m", physicalOrZero, [0, 5]),
     number("scene.sling-angle", "initial angle phi2", "rad", angles, [-1.5, 1.5]),
@@ -57,10 +59,13 @@ export const groups = [
   { title: "Beam", keys: [
     number("scene.beam-density", "density", "kg/m^3", physicalOrZero, [0, 8000]),
     number("scene.beam-side", "side of the section", "m", physicalOrZero, [0, 0.6]),
+    number("scene.beam-width", "width of the section", "m", physical, [0.01, 0.6]),
+    number("scene.beam-depth", "depth of the section, in the plane of the swing", "m", physical, [0.01, 0.6]),
     choice("scene.beam-inertia", "moment of inertia"),
     number("scene.beam-mass", "measured mass m2", "kg", physicalOrZero, [0, 2000]),
     number("scene.beam-centre", "measured centre of mass", "m", lengths, [-2, 5]),
     number("scene.beam-moment", "measured moment of inertia", "kg m^2", physicalOrZero, [0, 5000]),
+    number("scene.beam-section-modulus", "measured section modulus", "m^3", physical, [1e-6, 0.05, "log"]),
   ] },
   { title: "Sling and friction", keys: [
     number("scene.sling-mass", "mass of the sling", "kg", physicalOrZero, [0, 50]),

@@ -22,7 +22,9 @@ export const quantities = [
   { field: "peak-hanger-tension", label: "peak hanger tension", unit: "kN", factor: 1e-3,
     if: (scene) => scene["scene.counterweight-hanger"] > 0 },
   { field: "peak-beam-stress", label: "peak beam stress", unit: "MPa", factor: 1e-6,
-    if: (scene) => scene["scene.beam-mass"] === undefined && scene["scene.beam-side"] !== 0 },
+    if: (scene) => (scene["scene.beam-mass"] === undefined
+      ? scene["scene.beam-side"] !== 0 || scene["scene.beam-width"] !== undefined
+      : scene["scene.beam-section-modulus"] !== undefined) },
   { field: "energy-drift", label: "energy drift", unit: "", digits: 2 },
   { field: "status", label: "status", unit: "", categories: true },
 ];

@@ -14,9 +14,16 @@ export function unusedKeys(get) {
   const leaveOut = (names, why) => names.forEach((name) => unused.has(name) || unused.set(name, `left out${why}`));
   if (!Number.isNaN(get("scene.start-angle")))
     leaveOut(["scene.release-height"], " with scene.start-angle, which determines it");
+  if (!Number.isNaN(get("scene.start-tip-height")))
+    leaveOut(["scene.release-height", "scene.start-angle"], " with scene.start-tip-height, which determines it");
   if (!Number.isNaN(get("scene.beam-mass")))
-    leaveOut(["scene.beam-density", "scene.beam-side", "scene.beam-inertia"],
+    leaveOut(["scene.beam-density", "scene.beam-side", "scene.beam-width", "scene.beam-depth", "scene.beam-inertia"],
              " with scene.beam-mass, beam-centre and beam-moment, which describe the whole beam");
+  else
+    leaveOut(["scene.beam-section-modulus"],
+             " unless scene.beam-mass is given: it follows from the section of other beams");
+  if (!Number.isNaN(get("scene.beam-width")) || !Number.isNaN(get("scene.beam-depth")))
+    leaveOut(["scene.beam-side"], " with scene.beam-width and beam-depth, which determine it");
   if (get("scene.trough") === "yes")
     leaveOut(["scene.sling-angle"], " with scene.trough = yes, which determines it");
   if (get("scene.trough") === "yes" && !get("lattice.r3"))
@@ -49,6 +56,13 @@ function checkRelease(get) {
            `crossing, pin, farthest or fastest for the adaptive stepper ${stepper}, whose steps may skip the window`);
   if (release === "pin" && Number.isNaN(get("solver.pin-angle")))
     throw new InputError("solver.pin-angle", "solver.pin-angle: must be given with solver.release = pin");
+}
+
+function checkSection(get) {
+  const [given, missing] = ["scene.beam-width", "scene.beam-depth"]
+    .sort((a, b) => Number.isNaN(get(a)) - Number.isNaN(get(b)));
+  if (Number.isNaN(get(missing)) && !Number.isNaN(get(given)))
+    throw new InputError(missing, `${missing}: must be given with ${given}: a section has both`);
 }
 
 function checkBeam(get) {
@@ -99,9 +113,12 @@ function checkSling(get) {
 
 /** Why a scene does not have a field, as the rest of a message; empty if it has it. */
 function whyAbsent(field, get) {
-  if (field === "peak-beam-stress" && !Number.isNaN(get("scene.beam-mass")))
-    return "with scene.beam-mass: the cross-section of a measured beam is not known";
-  if (field === "peak-beam-stress" && get("scene.beam-side") === 0)
+  const isGiven = (name) => !Number.isNaN(get(name));
+  if (field === "peak-beam-stress" && isGiven("scene.beam-mass") && !isGiven("scene.beam-section-modulus"))
+    return "with scene.beam-mass, unless scene.beam-section-modulus is given: the cross-section of a measured beam " +
+      "is not known";
+  if (field === "peak-beam-stress" && !isGiven("scene.beam-mass") && !isGiven("scene.beam-width") &&
+      get("scene.beam-side") === 0)
     return "if scene.beam-side is 0: the beam then has no cross-section";
   if (field === "lift-off-time" && get("scene.trough") === "no")
     return "unless scene.trough is yes: there is no lift-off without a trough";
@@ -184,7 +201,8 @@ export function checkedValues(values, core) {
   const get = (name) => values[name] ?? defaultOf(name, core);
   const unused = unusedKeys(get);
   const used = (name) => unused.has(name) ? defaultOf(name, core) : get(name);
-  for (const check of [checkRelease, checkBeam, checkTrough, checkSling, checkFields, checkOptimum]) check(used);
+  const checks = [checkRelease, checkSection, checkBeam, checkTrough, checkSling, checkFields, checkOptimum];
+  for (const check of checks) check(used);
   const completed = withTroughAxes(values, get), getCompleted = (name) => completed[name] ?? defaultOf(name, core);
   return { get: getCompleted, unused, box: boxOf(getCompleted), numbers: numbersOf(values, unused, core) };
 }

@@ -40,8 +40,8 @@ function closedInterval({ first, last, step }) {
 /** The axis r1 within the bounds (47). */
 function armAxis(get) {
   const h0 = get("scene.fulcrum-height"), r4 = get("scene.counterweight-hanger");
-  const isAngleGiven = !Number.isNaN(get("scene.start-angle"));
-  const rise = isAngleGiven ? 0 : Math.max(0, get("scene.release-height") - h0 + r4);
+  const isStartGiven = ["scene.start-angle", "scene.start-tip-height"].some((name) => !Number.isNaN(get(name)));
+  const rise = isStartGiven ? 0 : Math.max(0, get("scene.release-height") - h0 + r4);
   const high = h0 - r4, step = get("lattice.increment");
   const axis = openInterval(rise, high, step);
   if (axis.count > 0) return axis;

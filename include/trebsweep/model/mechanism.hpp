@@ -29,6 +29,23 @@ struct SlingMasses {
   double all, coupling, swinging;  // M, M1, M2
 };
 
+/// The counterweight as point masses with the same mass, centre and moment of inertia: on a hanger,
+/// one at the hinge and one at the centre of oscillation; else one at the end of the arm, where
+/// counterweight_inertia is added to the beam's.
+struct CounterweightMasses {
+  CounterweightMasses(const Scene& scene, bool has_hanger) {
+    const double m1 = scene.counterweight_mass, r4 = scene.counterweight_hanger;
+    const double point = m1 * r4 * r4;
+    const double share = has_hanger ? point / (point + scene.counterweight_inertia) : 0;
+    fixed = m1 * (1 - share);
+    swinging = m1 * share;
+    if (has_hanger) length = r4 / share;
+  }
+  double fixed;       // kg: at the end of the arm
+  double swinging;    // kg: on the hanger
+  double length = 0;  // m: from the hinge to the swinging mass
+};
+
 /// Tension of an elastic sling, N, for a stretch (m) and its rate (m/s); never negative.
 template <class T>
 T elastic_tension(const T& stretch, const T& rate, const T& stiffness, const T& damping) {
@@ -65,8 +82,8 @@ class Mechanism {
   /// m2, kg: measured, or (37) (38).
   T beam_mass() const {
     if (scene_.beam_mass) return T(*scene_.beam_mass);
-    return T(scene_.beam_density) * T(scene_.beam_side) * T(scene_.beam_side) *
-           T(design_.r1 + design_.r2);
+    const auto [width, depth] = beam_section(scene_);
+    return T(scene_.beam_density) * T(width) * T(depth) * T(design_.r1 + design_.r2);
   }
 
   /// Distance of the beam's centre of mass from the fulcrum, m, positive towards the sling:
@@ -77,22 +94,23 @@ class Mechanism {
   }
 
   /// Moment of inertia of beam and fixed counterweight about the fulcrum, kg m^2: m1 r1^2 + Izz
-  /// (18).
+  /// (18), plus counterweight_inertia.
   T inertia() const {
     const auto& [r1, r3, r2] = design_;
-    const T m1(scene_.counterweight_mass), side(scene_.beam_side);
+    const T m1(counterweight_masses().fixed), depth(beam_section(scene_).depth);
     const T m2 = beam_mass(), r = beam_centre(), beam_length = r1 + r2;
-    T sum = E.hanger ? T(0) : T(m1 * r1 * r1);
+    T sum = m1 * r1 * r1;
+    if constexpr (!E.hanger) sum += T(scene_.counterweight_inertia);
     if (scene_.beam_moment) return sum + T(*scene_.beam_moment);
     if (scene_.beam_inertia != BeamInertia::none)
       sum += m2 * beam_length * beam_length / T(12) + m2 * r * r;
-    if (scene_.beam_inertia == BeamInertia::prism) sum += m2 * side * side / T(12);
+    if (scene_.beam_inertia == BeamInertia::prism) sum += m2 * depth * depth / T(12);
     return sum;
   }
 
   /// First moment of mass of beam and fixed counterweight about the fulcrum, kg m: m1 r1 - m2 r.
   T moment() const {
-    const T m1(E.hanger ? 0 : scene_.counterweight_mass);
+    const T m1(counterweight_masses().fixed);
     return m1 * design_.r1 - beam_mass() * beam_centre();
   }
 
@@ -126,8 +144,8 @@ class Mechanism {
     if constexpr (E.hanger) {
       const At at = directions<E>(x);
       const Vector<T> v = T(design_.r1 * x[w1]) * turned(arm(at)) +
-                          T(T(-scene_.counterweight_hanger) * x[w3]) * turned(hanger(at));
-      twice += T(scene_.counterweight_mass) * dot(v, v);
+                          T(T(-counterweight_masses().length) * x[w3]) * turned(hanger(at));
+      twice += T(counterweight_masses().swinging) * dot(v, v);
     }
     return twice / T(2);
   }
@@ -138,7 +156,11 @@ class Mechanism {
     const T arms = moment() - T(m.all) * design_.r2;
     T moments =
         T(arms * sin_cos(x[phi1]).cos - T(m.coupling) * sling_length(x) * sin_cos(x[phi2]).cos);
-    if constexpr (E.hanger) moments += T(scene_.counterweight_mass) * counterweight(x).y;
+    if constexpr (E.hanger) {
+      const At at = directions<E>(x);
+      moments += T(counterweight_masses().swinging) *
+                 T(design_.r1 * arm(at).y - T(counterweight_masses().length) * hanger(at).y);
+    }
     return T(scene_.gravity) * moments;
   }
 
@@ -207,9 +229,10 @@ class Mechanism {
   }
 
   /// Loads by Newton's second law from the accelerations of all masses; `normal` is the trough's
-  /// force on the projectile, N. The stress 6 M/s^3 is that of a uniform square section (flexure
-  /// formula, Gere and Goodno, Mechanics of Materials) under the bending moment M of sling, weight
-  /// and inertia of the throwing arm at the fulcrum.
+  /// force on the projectile, N. The stress is that under the bending moment of sling, weight and
+  /// inertia of the throwing arm at the fulcrum; the whole of a measured beam counts as its
+  /// throwing arm. The hanger's tension is the component along it of the force on the
+  /// counterweight.
   Loads<T> loads(const X& x, const At& at, const X& dxdt, const T& normal) const {
     using std::sqrt;
     const auto& [r1, r3, r2] = design_;
@@ -250,6 +273,8 @@ class Mechanism {
     loads.projectile_height = loads.tip_height - sling_length(x) * e.y;
     return loads;
   }
+
+  CounterweightMasses counterweight_masses() const { return {scene_, E.hanger}; }
 
   const Scene& scene() const { return scene_; }
   const Design<T>& design() const { return design_; }
@@ -292,14 +317,20 @@ class Mechanism {
 
   /// See loads().
   T beam_stress(const Vector<T>& a, const T& acceleration1, const Vector<T>& tension) const {
-    if (scene_.beam_mass) return T(std::numeric_limits<double>::quiet_NaN());
     const T& r2 = design_.r2;
-    const double side = scene_.beam_side, per_metre = scene_.beam_density * side * side;
-    const double turning = scene_.beam_inertia == BeamInertia::none ? 0 : per_metre / 3;
-    const T bending = T(turning) * r2 * r2 * r2 * acceleration1 +
-                      T(per_metre * scene_.gravity / 2) * r2 * r2 * a.x -
-                      r2 * dot(tension, turned(a));
-    return T(6 / (side * side * side)) * bending;
+    T inertia, weight;  // the torque of the weight is that of a horizontal arm
+    if (scene_.beam_mass) {
+      inertia = T(*scene_.beam_moment);
+      weight = T(*scene_.beam_mass * *scene_.beam_centre * scene_.gravity);
+    } else {
+      const auto [width, depth] = beam_section(scene_);
+      const double per_metre = scene_.beam_density * width * depth;
+      const double turning = scene_.beam_inertia == BeamInertia::none ? 0 : per_metre / 3;
+      inertia = T(turning) * r2 * r2 * r2;
+      weight = T(per_metre * scene_.gravity / 2) * r2 * r2;
+    }
+    const T bending = inertia * acceleration1 + weight * a.x - r2 * dot(tension, turned(a));
+    return T(stress_per_moment(scene_)) * bending;
   }
 
   Scene scene_;

@@ -36,7 +36,8 @@ namespace trebsweep {
 ///   r4 w3' = r1 (w1' cos E - w1^2 sin E) - g sin phi3,
 /// and its tension adds m1 r1^2 sin^2 E to the factor of w1', and
 /// m1 r1 sin E (g cos phi3 - r1 w1^2 cos E + r4 w3^2) to the right-hand side, in place of m1 r1^2
-/// and g m1 r1 sin phi1.
+/// and g m1 r1 sin phi1. With a moment of inertia of its own, it moves like the two point masses of
+/// CounterweightMasses.
 ///
 /// In the trough, the normal force N is the multiplier of the constraint y3'' = 0, on which both
 /// accelerations depend linearly.
@@ -72,7 +73,8 @@ class Motion {
       sling_ = {inertia / scale, r3 / T(T(ratio) * r2), T(ratio) * r2 / r3};
     }
     if constexpr (E.hanger) {
-      const T m1(scene.counterweight_mass), r4(scene.counterweight_hanger);
+      const CounterweightMasses masses = mechanism.counterweight_masses();
+      const T m1(masses.swinging), r4(masses.length);
       hanger_ = {m1 * r1 * r1 / scale, T(scene.gravity) / r1, r4 / r1, r1 / r4};
     }
     if constexpr (E.trough)

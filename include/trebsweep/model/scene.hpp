@@ -1,15 +1,17 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
 
 namespace trebsweep {
 
-/// The beam's moment of inertia: that of a slender rod as in the paper (18), that of the square
-/// prism, or zero (as in the paper's Appendix C, where only the beam's weight acts).
+/// The beam's moment of inertia: that of a slender rod as in the paper (18), that of the
+/// rectangular prism, or zero (as in the paper's Appendix C, where only the beam's weight acts).
 enum class BeamInertia { slender, prism, none };
 
 /// In the order of BeamInertia.
@@ -24,6 +26,9 @@ struct Scene {
   double fulcrum_height = 1.5;  ///< h0, m: the fulcrum's height above the ground
   double beam_density = 7850;   ///< rho, kg/m^3
   double beam_side = 0.10;      ///< s, m: side of the beam's square section
+  // Another rectangular section, instead of a square: both, or none.
+  std::optional<double> beam_width = {};  ///< m: across the plane of the swing
+  std::optional<double> beam_depth = {};  ///< m: in the plane of the swing
   BeamInertia beam_inertia = BeamInertia::slender;
   double sling_angle = 0;      ///< phi2(0), rad
   double pivot_viscosity = 0;  ///< N m s/rad: viscous friction torque of the pivot per rate w1
@@ -36,7 +41,12 @@ struct Scene {
   std::optional<double> beam_centre = {};  ///< r, m: from the fulcrum to the beam's centre of mass,
                                            ///< positive towards the sling
   std::optional<double> beam_moment = {};  ///< Izz, kg m^2: moment of inertia about the fulcrum
-  std::optional<double> start_angle = {};  ///< phi1(0), rad, instead of release_height
+  std::optional<double> beam_section_modulus = {};  ///< m^3: at the fulcrum, of a measured beam
+  double counterweight_inertia = 0;  ///< kg m^2: of the counterweight about its centre
+  // Instead of release_height: one of them, or none.
+  std::optional<double> start_angle = {};  ///< phi1(0), rad
+  std::optional<double> start_tip_height =
+      {};                           ///< m: of the arm's tip above the ground, at phi1(0)
   double counterweight_hanger = 0;  ///< r4, m: link from arm to counterweight; 0: fixed to the arm
   bool trough = false;              ///< whether the projectile starts by sliding in a trough
   double trough_height = 0;         ///< m: of the trough above the ground
@@ -45,6 +55,29 @@ struct Scene {
   double air_density = 1.225;       ///< kg/m^3
   double wind = 0;                  ///< m/s, horizontal, positive in the direction of the throw
 };
+
+/// The beam's rectangular section, m; the depth is in the plane of the swing.
+struct BeamSection {
+  double width, depth;
+};
+
+inline BeamSection beam_section(const Scene& scene) {
+  if (scene.beam_width) return {*scene.beam_width, *scene.beam_depth};
+  return {scene.beam_side, scene.beam_side};
+}
+
+/// Bending stress per bending moment at the fulcrum, 1/m^3: the inverse of the section modulus,
+/// which is width depth^2/6 for a rectangle (Gere and Goodno, Mechanics of Materials). NaN for a
+/// measured beam without one, infinite for a beam without a section.
+inline double stress_per_moment(const Scene& scene) {
+  if (scene.beam_section_modulus) return 1 / *scene.beam_section_modulus;
+  if (scene.beam_mass) return std::numeric_limits<double>::quiet_NaN();
+  const auto [width, depth] = beam_section(scene);
+  return 6 / (width * depth * depth);
+}
+
+/// Whether the bending stress of the beam can be computed.
+inline bool has_beam_stress(const Scene& scene) { return std::isfinite(stress_per_moment(scene)); }
 
 /// Effects that change the form of the equations, selected at compile time. Masses and inertias
 /// only change constants.

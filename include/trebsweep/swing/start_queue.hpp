@@ -26,7 +26,7 @@ class StartQueue {
     Design<double> design;
     while (size_ < lanes && next(design)) {
       const std::uint64_t index = designs_++;
-      if (!start_is_reachable(scene_, design.r1)) {
+      if (!start_is_reachable(scene_, design)) {
         impossible(index, Status::unreachable_start);
         continue;
       }

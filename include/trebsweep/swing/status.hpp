@@ -37,7 +37,8 @@ inline constexpr std::array<std::string_view, status_names.size()> status_meanin
     "not a design of the lattice",
     "the projectile is released",
     "no release before solver.max-time, or none above the ground",
-    "the arm cannot hold the counterweight at its initial height: r1 < |h - h0 + r4|",
+    "the arm does not reach its initial height: r1 < |h - h0 + r4|, or r2 < |h0 - "
+    "start-tip-height|",
     "neither a release nor solver.max-time within solver.max-steps",
     "the tolerance requires steps too short to change the time",
     "the state became infinite or NaN",
