@@ -22,12 +22,6 @@ std::string Range::text() const {
   return fmt::format("{}a number above {:.9g} and below {:.9g}", zero, low, high);
 }
 
-double to_number(const std::string& key, const std::string& value, const Range& range) {
-  double number = 0;
-  if (!parse_number(value, number) || !range.contains(number)) refuse(key, value, range.text());
-  return number;
-}
-
 double rounded_sum(double first, std::size_t n, double step) {
   if (n == 0) return first;
   std::array<char, 32> text;

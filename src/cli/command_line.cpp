@@ -12,6 +12,7 @@
 #include "trebsweep/cli/help.hpp"
 #include "trebsweep/cli/options.hpp"
 #include "trebsweep/job/key.hpp"
+#include "trebsweep/job/unit.hpp"
 
 namespace trebsweep {
 namespace {
@@ -74,7 +75,7 @@ std::string text_of(const po::variables_map& given, const std::string& option) {
 double length(const po::variables_map& given, const std::string& option) {
   if (!given.count(option))
     throw InputError(fmt::format("--{}: missing; give a length in metres", option));
-  return to_number(option, text_of(given, option), physical);
+  return to_number(option, text_of(given, option), physical, "m");
 }
 
 /// The positional argument: the path of the job file, or of the archive for `info`.
@@ -132,7 +133,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   if (given.count("time-limit"))
     line.time_limit = to_seconds("time-limit", text_of(given, "time-limit"));
   if (given.count("interval"))
-    line.interval = to_number("interval", text_of(given, "interval"), positive);
+    line.interval = to_number("interval", text_of(given, "interval"), positive, "s");
   if (command == Command::trace)
     line.design = {length(given, "r1"), length(given, "r3"), length(given, "r2")};
   return line;

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "trebsweep/cli/options.hpp"
+#include "trebsweep/job/unit.hpp"
 
 namespace trebsweep {
 namespace {
@@ -123,6 +124,18 @@ that are not done are NaN there.
 
 )";
 
+/// The names of all units, in lines of up to 80 characters.
+std::string wrapped_unit_names() {
+  std::string text = unit_names();
+  constexpr std::size_t width = 80;
+  for (std::size_t line = 0; text.size() - line > width;) {
+    const std::size_t space = text.rfind(' ', line + width);
+    text[space] = '\n';
+    line = space + 1;
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string general_help() {
@@ -147,7 +160,11 @@ sweep, optimum and assess run in parallel: mpirun -n RANKS trebsweep sweep JOB
 JOB is a text file with keys and values; jobs/paper.cfg shows all of them. If it
 is -, the job is read from stdin, and its archive is called job.h5 or, of assess,
 job-assess.h5, unless output.file names it. Every key is also an option, which
-takes precedence: --solver.tolerance 1e-9. The value of a scene key is taken from
+takes precedence: --solver.tolerance 1e-9. Numbers are in SI units, or in the one
+that follows: --scene.beam-side "9.5 cm", 132lb, "40 lb/ft^3". The units are
+)" + wrapped_unit_names() +
+         R"(
+and products of their powers. The value of a scene key is taken from
 the first of these that sets it:
   1. the option --scene.KEY
   2. the file named by the option --scene.file

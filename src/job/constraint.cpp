@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "trebsweep/base/number.hpp"
+#include "trebsweep/job/unit.hpp"
 
 namespace trebsweep {
 
@@ -38,10 +38,11 @@ Constraint to_constraint(const std::string& key, const std::string& text) {
   check(sign != text.npos, "with the sign <= or >=, which includes the limit");
   const auto field = to_quantity(boost::trim_copy(text.substr(0, sign)));
   check(field.has_value(), "where FIELD is one of " + quantity_names());
-  double limit = 0;
-  const bool is_number = parse_number(boost::trim_copy(text.substr(sign + 2)), limit);
-  check(is_number && std::isfinite(limit), "where NUMBER is finite, without a unit");
-  return {*field, text[sign] == '<', limit};
+  const std::string number = boost::trim_copy(text.substr(sign + 2));
+  const std::string_view unit = info(*field).units;
+  const auto limit = to_si(number, unit);
+  check(limit && std::isfinite(*limit), "where NUMBER is finite" + allowed_units(number, unit));
+  return {*field, text[sign] == '<', *limit};
 }
 
 }  // namespace trebsweep

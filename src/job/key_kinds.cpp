@@ -4,6 +4,8 @@
 #include <boost/algorithm/string.hpp>
 #include <cmath>
 
+#include "trebsweep/job/unit.hpp"
+
 namespace trebsweep {
 namespace {
 
@@ -21,11 +23,11 @@ bool is_readable_back(const std::string& path) {
 AxisRange to_axis(const std::string& key, const std::string& text) {
   const std::string value = "a single value, in metres, each from 1e-12 to 1e+12";
   const auto parse = [&](const std::string& part) {
-    double x = 0;
-    if (!parse_number(part, x) || !physical.contains(x)) refuse_range(key, text, value);
-    return x;
+    const auto x = to_si(part, "m");
+    if (!x || !physical.contains(*x)) refuse_range(key, text, value);
+    return *x;
   };
-  if (text.find(':') != text.npos) return to_range(key, text, parse, value);
+  if (text.find(':') != text.npos) return to_range(key, text, "m", parse, value);
   const double x = parse(text);
   return {x, x, 1};
 }
@@ -45,26 +47,46 @@ void check_steps(const std::string& key, const std::string& text, const AxisRang
 
 }  // namespace
 
-AxisRange to_range(const std::string& key, const std::string& text,
+AxisRange to_range(const std::string& key, const std::string& text, const std::string& unit,
                    const std::function<double(const std::string&)>& parse,
                    const std::string& alternative) {
   std::vector<std::string> parts;
   boost::split(parts, text, boost::is_any_of(":"));
   for (std::string& part : parts) boost::trim(part);
-  double step = 0;
-  if (parts.size() != 3 || std::ranges::count(parts, "") > 0 || text.find(',') != text.npos ||
-      !parse_number(parts[2], step) || !(step > 0) || !std::isfinite(step))
+  if (parts.size() != 3 || std::ranges::count(parts, "") > 0 || text.find(',') != text.npos)
     refuse_range(key, text, alternative);
-  const AxisRange range{parse(parts[0]), parse(parts[1]), step};
+  check_units_agree(key, text, parts);
+  const auto step = to_si(parts[2], unit);
+  if (!step || !(*step > 0) || !std::isfinite(*step)) refuse_range(key, text, alternative);
+  const AxisRange range{parse(parts[0]), parse(parts[1]), *step};
   if (range.first > range.last) refuse_range(key, text, alternative);
   check_steps(key, text, range);
   return range;
+}
+
+std::string to_text(const AxisRange& range) {
+  return fmt::format("{}:{}:{}", range.first, range.last, range.step);
 }
 
 std::vector<std::string> to_words(const std::string& text) {
   std::vector<std::string> words;
   boost::split(words, boost::trim_copy(text), boost::is_any_of(", "), boost::token_compress_on);
   return words;
+}
+
+std::vector<std::string> to_values(const std::string& text) {
+  std::vector<std::string> parts, values;
+  boost::split(parts, text, boost::is_any_of(","));
+  for (const std::string& part : parts) {
+    const std::vector<std::string> words = to_words(part);
+    double number = 0;
+    const auto is_number = [&](const std::string& word) { return parse_number(word, number); };
+    if (std::ranges::all_of(words, is_number))
+      values.insert(values.end(), words.begin(), words.end());
+    else
+      values.push_back(boost::trim_copy(part));
+  }
+  return values;
 }
 
 std::size_t to_index(const std::string& key, const std::string& text,
@@ -74,15 +96,16 @@ std::size_t to_index(const std::string& key, const std::string& text,
   return static_cast<std::size_t>(found - names.begin());
 }
 
-KeyKind<double> number(const Range& range) {
-  return {
-      "NUMBER", range.text(),
-      [=](const std::string& key, const std::string& text) { return to_number(key, text, range); },
-      [](const double& x) { return fmt::format("{}", x); }};
+KeyKind<double> number(const Range& range, const std::string& unit) {
+  return {"NUMBER", range.text(),
+          [=](const std::string& key, const std::string& text) {
+            return to_number(key, text, range, unit);
+          },
+          [](const double& x) { return fmt::format("{}", x); }, unit};
 }
 
-KeyKind<double> optional_number(const Range& range) {
-  KeyKind<double> kind = number(range);
+KeyKind<double> optional_number(const Range& range, const std::string& unit) {
+  KeyKind<double> kind = number(range, unit);
   kind.print = [](const double& x) { return x > 0 ? fmt::format("{}", x) : ""; };
   return kind;
 }
@@ -90,10 +113,9 @@ KeyKind<double> optional_number(const Range& range) {
 KeyKind<AxisRange> axis_range() {
   return {"RANGE", "first:last:step, including both ends, or a single value", to_axis,
           [](const AxisRange& axis) {
-            return axis.first == axis.last
-                       ? fmt::format("{}", axis.first)
-                       : fmt::format("{}:{}:{}", axis.first, axis.last, axis.step);
-          }};
+            return axis.first == axis.last ? fmt::format("{}", axis.first) : to_text(axis);
+          },
+          "m"};
 }
 
 KeyKind<std::string> path() {

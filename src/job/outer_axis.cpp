@@ -9,6 +9,7 @@
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/job/key_kinds.hpp"
+#include "trebsweep/job/unit.hpp"
 
 namespace trebsweep {
 namespace {
@@ -22,10 +23,10 @@ void require_distinct(const std::string& key, const std::string& text,
     refuse(key, text, fmt::format("numbers that differ; {} is repeated", *twice));
 }
 
-/// The values of first:last:step.
+/// The values of a range with a text.
 std::vector<double> range_values(const std::string& key, const std::string& text,
-                                 const std::function<double(const std::string&)>& parse) {
-  const auto [first, last, step] = to_range(key, text, parse, "numbers separated by commas");
+                                 const AxisRange& range) {
+  const auto [first, last, step] = range;
   const double steps = std::round((last - first) / step);
   if (steps + 1 > max_values)
     refuse(key, text, fmt::format("a range of at most {:.0f} values", max_values));
@@ -41,6 +42,7 @@ std::vector<double> list_values(const std::string& key, const std::string& text,
                                 const std::function<double(const std::string&)>& parse) {
   std::vector<std::string> parts;
   boost::split(parts, text, boost::is_any_of(","));
+  check_units_agree(key, text, parts);
   std::vector<double> values;
   for (const std::string& part : parts) {
     const std::string number = boost::trim_copy(part);
@@ -58,14 +60,16 @@ bool has_several_values(const std::string& text) {
   return text.find_first_of(",:") != std::string::npos;
 }
 
-OuterAxis to_outer_axis(const std::string& key, const std::string& text,
+OuterAxis to_outer_axis(const std::string& key, const std::string& text, const std::string& unit,
                         const std::function<double(const std::string&)>& parse) {
   if (text.find(':') == std::string::npos) {
     const auto values = list_values(key, text, parse);
     return {key, values, fmt::format("{}", fmt::join(values, ", "))};
   }
-  const auto values = range_values(key, text, parse);
-  return {key, values, boost::erase_all_copy(text, " ")};
+  const AxisRange range = to_range(key, text, unit, parse, "numbers separated by commas");
+  const bool has_units = text.find_first_not_of("0123456789+-.eE: ") != std::string::npos;
+  return {key, range_values(key, text, range),
+          has_units ? to_text(range) : boost::erase_all_copy(text, " ")};
 }
 
 }  // namespace trebsweep

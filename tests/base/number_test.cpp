@@ -20,25 +20,6 @@ TEST_CASE(
   CHECK_FALSE(parse_number("-1", n));
 }
 
-TEST_CASE("The message about a number outside its range names key, value and range") {
-  CHECK(to_number("mass", "2", positive) == 2);
-  CHECK(to_number("mass", "0", not_negative) == 0);
-  CHECK_THROWS_WITH(to_number("mass", "0", positive), "mass = 0: must be a finite number above 0");
-  CHECK_THROWS_WITH(to_number("mass", "-0.1", not_negative),
-                    "mass = -0.1: must be a finite number of at least 0");
-  CHECK_THROWS_WITH(to_number("level", "10", Range{0, 9}),
-                    "level = 10: must be a number from 0 to 9");
-  CHECK_THROWS_WITH(to_number("angle", "2", Range{0, 2, false}),
-                    "angle = 2: must be a number above 0 and below 2");
-  CHECK(to_number("mass", "0", physical_or_zero) == 0);
-  CHECK_THROWS_WITH(to_number("mass", "1e-13", physical_or_zero),
-                    "mass = 1e-13: must be 0, or a number from 1e-12 to 1e+12");
-  CHECK_THROWS_WITH(to_number("mass", "0", physical),
-                    "mass = 0: must be a number above 0, from 1e-12 to 1e+12");
-  for (const std::string value : {"nan", "inf", "-inf"})
-    CHECK_THROWS_AS(to_number("mass", value, positive), InputError);
-}
-
 TEST_CASE("Durations are in seconds, or in the colon notation of batch systems") {
   const auto seconds = [](const std::string& text) { return to_seconds("time-limit", text); };
   CHECK(seconds("90") == 90);

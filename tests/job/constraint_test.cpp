@@ -58,10 +58,10 @@ TEST_CASE("The message about a malformed constraint quotes it and says what is w
                                  "peak axle load <= 3", "peak_axle_load <= 3", "mass <= x"})
     refused(text, "where FIELD is one of speed, release-time, sling-angle, ");
   for (const std::string text :
-       {"speed <=", "speed <= = 3", "speed <= x", "speed <= 3 m/s", "speed <= 0x10", "speed <= nan",
-        "speed <= inf", "speed >= -inf", "speed <= 1e999", "speed <= 3 4", "speed <= 3 <= 4",
+       {"speed <=", "speed <= = 3", "speed <= x", "speed <= 0x10", "speed <= nan", "speed <= inf",
+        "speed >= -inf", "speed <= 1e999", "speed <= 3 4", "speed <= 3 <= 4",
         "speed >= 1 speed <= 3", "speed <= range"})
-    refused(text, "where NUMBER is finite, without a unit");
+    refused(text, "where NUMBER is finite");
 }
 
 TEST_CASE("Flags and properties of the integration are not quantities") {

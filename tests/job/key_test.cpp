@@ -53,6 +53,12 @@ TEST_CASE("The message about an invalid value names the key and the value, for e
   }
 }
 
+TEST_CASE("A text that continues after a number is refused, for every number") {
+  for (const Key& key : job_keys())
+    for (const std::string text : {"0x10", "1e", "1 2", "1,5 kg", "0.01 furlong"})
+      if (key.placeholder == "NUMBER") check_value(key.name, text);
+}
+
 TEST_CASE("The message about an invalid word of a list names that word only") {
   CHECK_THROWS_WITH(parse("", {{"output.fields", "speed, sped"}}),
                     contains("output.fields = sped: must be one of speed, release-time"));

@@ -4,16 +4,16 @@
 
 #include "support/catch.hpp"
 #include "trebsweep/base/error.hpp"
-#include "trebsweep/base/number.hpp"
 #include "trebsweep/job/job.hpp"
+#include "trebsweep/job/unit.hpp"
 
 using namespace trebsweep;
 
 namespace {
 
 OuterAxis axis(const std::string& text) {
-  return to_outer_axis("scene.x", text, [](const std::string& word) {
-    return to_number("scene.x", word, positive);
+  return to_outer_axis("scene.x", text, "", [](const std::string& word) {
+    return to_number("scene.x", word, positive, "");
   });
 }
 

@@ -37,7 +37,7 @@ function parseConstraint({ name, names }, text, core) {
   check(sign, "with the sign <= or >=, which includes the limit");
   check(names(core).includes(field), `where FIELD is one of ${names(core).join(", ")}`);
   const x = parseNumber(limit);
-  check(Number.isFinite(x), "where NUMBER is finite, without a unit");
+  check(Number.isFinite(x), "where NUMBER is finite");
   return { field, sign, limit: x };
 }
 

@@ -29,19 +29,30 @@ inline constexpr Range not_negative{0};
 inline constexpr Range physical{1e-12, 1e12};
 inline constexpr Range physical_or_zero{1e-12, 1e12, true, true};
 
-/// Parses a number that may have spaces around it and a leading +. Returns whether the whole text
-/// is a number; otherwise `number` is unspecified.
-template <class Number>
-bool parse_number(std::string_view text, Number& number) {
+/// A text without spaces at its ends.
+inline std::string_view trimmed(std::string_view text) {
   while (text.starts_with(' ')) text.remove_prefix(1);
   while (text.ends_with(' ')) text.remove_suffix(1);
-  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size();
+  return text;
 }
 
-/// The value of a key as a number. Throws InputError if it is not a number in the range.
-double to_number(const std::string& key, const std::string& value, const Range& range);
+/// Takes a number, which may have a leading +, and the spaces around it from the start of a text.
+/// Returns whether there is one; otherwise text and number are unspecified.
+template <class Number>
+bool take_number(std::string_view& text, Number& number) {
+  text = trimmed(text);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  text = trimmed(text.substr(static_cast<std::size_t>(end - text.data())));
+  return error == std::errc();
+}
+
+/// Whether the whole text is a number, with or without spaces around it; otherwise `number` is
+/// unspecified.
+template <class Number>
+bool parse_number(std::string_view text, Number& number) {
+  return take_number(text, number) && text.empty();
+}
 
 /// first + n * step, rounded to 15 digits, so that 0.51 is the same number here, as a single value
 /// in a job file, and in ds.sel(r1=0.51).

@@ -28,12 +28,14 @@ struct KeyKind {
   std::function<T(const std::string& key, const std::string& text)> parse;
   /// The text that parses to a value; empty for a value that is not set.
   std::function<std::string(const T&)> print;
+  std::string unit = {};  ///< of a number: "kg"; empty if it has none
 };
 
-KeyKind<double> number(const Range& range);
+/// A number in a unit, or in another one of the same dimension that its text names.
+KeyKind<double> number(const Range& range, const std::string& unit = "");
 
 /// A number that may be omitted; it is then 0.
-KeyKind<double> optional_number(const Range& range);
+KeyKind<double> optional_number(const Range& range, const std::string& unit);
 
 /// An axis as first:last:step or as a single value, m.
 KeyKind<AxisRange> axis_range();
@@ -56,15 +58,21 @@ KeyKind<Field> quantity();
 /// A list of constraints, separated by commas, possibly empty.
 KeyKind<std::vector<Constraint>> constraints();
 
-/// The range of a text first:last:step, whose ends `parse` reads and checks. Throws InputError,
-/// naming `alternative` as what else the key allows, also if no number of steps reaches the last
-/// value.
-AxisRange to_range(const std::string& key, const std::string& text,
+/// The range of a text first:last:step, whose ends `parse` reads and checks, in a unit. Throws
+/// InputError, naming `alternative` as what else the key allows, also if no number of steps reaches
+/// the last value.
+AxisRange to_range(const std::string& key, const std::string& text, const std::string& unit,
                    const std::function<double(const std::string&)>& parse,
                    const std::string& alternative);
 
+/// The text first:last:step.
+std::string to_text(const AxisRange& range);
+
 /// The words of a list, separated by commas, spaces or both.
 std::vector<std::string> to_words(const std::string& text);
+
+/// The values of a list of numbers, separated like words; those with a unit by commas.
+std::vector<std::string> to_values(const std::string& text);
 
 /// The position of a text among the names. Throws InputError if it is not one of them.
 std::size_t to_index(const std::string& key, const std::string& text,
@@ -96,7 +104,8 @@ KeyKind<Enum> choice(std::span<const std::string_view> names) {
 template <class T>
 KeyKind<std::optional<T>> optional_of(const KeyKind<T>& kind) {
   return {kind.placeholder, kind.allowed, kind.parse,
-          [=](const std::optional<T>& value) { return value ? kind.print(*value) : ""; }};
+          [=](const std::optional<T>& value) { return value ? kind.print(*value) : ""; },
+          kind.unit};
 }
 
 /// A list of at least one value.
@@ -105,7 +114,7 @@ KeyKind<std::vector<T>> list_of(const KeyKind<T>& element) {
   return {"LIST", "a list, each " + element.allowed,
           [=](const std::string& key, const std::string& text) {
             std::vector<T> values;
-            for (const std::string& word : to_words(text))
+            for (const std::string& word : element.unit.empty() ? to_words(text) : to_values(text))
               values.push_back(element.parse(key, word));
             return values;
           },
@@ -113,7 +122,8 @@ KeyKind<std::vector<T>> list_of(const KeyKind<T>& element) {
             std::vector<std::string> words;
             for (const T& value : values) words.push_back(element.print(value));
             return fmt::format("{}", fmt::join(words, ", "));
-          }};
+          },
+          element.unit};
 }
 
 /// A list of at least one value, without repetitions.

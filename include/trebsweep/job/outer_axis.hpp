@@ -19,10 +19,10 @@ struct OuterAxis {
 /// Whether the text of a value is meant as several numbers.
 bool has_several_values(const std::string& text);
 
-/// The axis of the values first:last:step, including both ends, or of a list in any order. `parse`
-/// parses and checks a single number. Throws InputError naming the key, the text and what is
-/// allowed, also if a value is repeated or there are more than 1e6.
-OuterAxis to_outer_axis(const std::string& key, const std::string& text,
+/// The axis of the values first:last:step, including both ends, or of a list in any order, in a
+/// unit. `parse` parses and checks a single number. Throws InputError naming the key, the text and
+/// what is allowed, also if a value is repeated or there are more than 1e6.
+OuterAxis to_outer_axis(const std::string& key, const std::string& text, const std::string& unit,
                         const std::function<double(const std::string&)>& parse);
 
 }  // namespace trebsweep
