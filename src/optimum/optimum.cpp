@@ -185,8 +185,11 @@ void refuse_divergence(const Job& job, const DesignProblem& problem, OptimumResu
 std::vector<BuildValue> build_values(const DesignProblem& problem, const Design<double>& design) {
   std::vector<Field> fields{Field::speed,
                             Field::range,
+                            Field::efficiency,
                             Field::release_time,
+                            Field::arm_angle,
                             Field::pin_angle,
+                            Field::impact_speed,
                             Field::ground_clearance,
                             Field::tip_clearance,
                             Field::counterweight_clearance,
@@ -205,6 +208,24 @@ std::vector<BuildValue> build_values(const DesignProblem& problem, const Design<
   for (std::size_t i = 0; i < fields.size(); ++i)
     all.push_back({fields[i], values(static_cast<Index>(i))});
   return all;
+}
+
+/// The range in other winds of a projectile that feels drag, released by the same pin.
+std::optional<WindRange> range_with_wind(const DesignProblem& problem,
+                                         const Design<double>& design) {
+  if (problem.scene.projectile_diameter == 0) return std::nullopt;
+  const auto value = [&](Field field, const Scene& scene, const Solver& solver) {
+    return field_values(scene, solver, Accuracy::high, {&design, 1}, {&field, 1})(0);
+  };
+  Solver pinned = problem.solver;
+  pinned.release = Release::pin;
+  pinned.pin_angle = value(Field::pin_angle, problem.scene, problem.solver);
+  const auto range_in = [&](double wind) {
+    Scene scene = problem.scene;
+    scene.wind += wind;
+    return value(Field::range, scene, pinned);
+  };
+  return WindRange{range_in(-WindRange::speed), range_in(WindRange::speed)};
 }
 
 }  // namespace
@@ -277,6 +298,8 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
   result.values = build_values(problem, result.design);
   add_derivatives(problem, result);
   result.allowances = allowances(problem, result.design, result.designs);
+  result.pin_allowance = pin_allowance(problem, result.design, result.designs);
+  if (result.pin_allowance) result.range_with_wind = range_with_wind(problem, result.design);
   if (deviation > 0)
     result.robustness = robustness(problem, result.design, deviation, result.designs);
   result.seconds = MPI_Wtime() - start_time;

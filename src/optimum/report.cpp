@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "trebsweep/base/number.hpp"
+#include "trebsweep/base/version.hpp"
 #include "trebsweep/job/buildable.hpp"
 #include "trebsweep/job/key.hpp"
 #include "trebsweep/optimum/design_space.hpp"
@@ -34,8 +36,26 @@ std::string allowance_text(const Allowance& allowance) {
     return fmt::format("{:.4f} m {}", length, direction) +
            (limit.empty() ? "" : fmt::format(" ({})", limit));
   };
-  return fmt::format("{} or {}", side(allowance.shorter, "shorter", allowance.shorter_limit),
-                     side(allowance.longer, "longer", allowance.longer_limit));
+  return fmt::format("{} or {}", side(allowance.less, "shorter", allowance.less_limit),
+                     side(allowance.more, "longer", allowance.more_limit));
+}
+
+/// An angle in radians and degrees.
+std::string angle_text(double angle, int digits) {
+  return fmt::format("{:.{}g} rad ({:.4g} deg)", angle, digits,
+                     angle / boost::math::double_constants::degree);
+}
+
+std::string pin_allowance_text(const OptimumResult& result) {
+  if (!result.pin_allowance) return "";
+  const auto side = [](double angle, const char* direction, const std::string& limit) {
+    if (std::isinf(angle)) return fmt::format("any angle {}", direction);
+    return fmt::format("{} {}", angle_text(angle, 4), direction) +
+           (limit.empty() ? "" : fmt::format(" ({})", limit));
+  };
+  const auto& [less, more, less_limit, more_limit] = *result.pin_allowance;
+  return fmt::format("           pin: {} or {}\n", side(less, "less", less_limit),
+                     side(more, "more", more_limit));
 }
 
 /// A text, or null if it is empty.
@@ -75,8 +95,8 @@ std::string value_text(const OptimumResult& result, Field field, const char* nam
   const auto found = std::ranges::find(result.values, field, &BuildValue::field);
   if (found == result.values.end()) return "";
   const double value = std::abs(found->value) < 1e-9 ? 0 : found->value;  // rounding errors
-  return fmt::format("{} {:.{}g}{}", name, value, field == Field::pin_angle ? 10 : 6,
-                     after_number(unit_text(info(field).units)));
+  if (field == Field::pin_angle) return fmt::format("{} {}", name, angle_text(value, 10));
+  return fmt::format("{} {:.6g}{}", name, value, after_number(unit_text(info(field).units)));
 }
 
 /// In what the optimum cannot be built, if it cannot: its hanger, or anything if all designs
@@ -117,6 +137,9 @@ std::string build_text(const OptimumResult& result) {
         parts.push_back(part);
     if (!parts.empty()) text += fmt::format("{:10} {}\n", label, fmt::join(parts, ", "));
   }
+  if (const auto& wind = result.range_with_wind)
+    text += fmt::format("wind       range {:.6g} m against {} m/s, {:.6g} m with it\n",
+                        wind->against, WindRange::speed, wind->with);
   return text;
 }
 
@@ -159,7 +182,7 @@ std::string precision_text(const OptimumResult& result) {
         fmt::format("{:10} {}: {}; gradient {:+.4g}, curvature {:+.4g}\n",
                     text.empty() ? "1 % lost" : "", length_names[d],
                     allowance_text(result.allowances[d]), result.gradient[d], result.hessian[d][d]);
-  return text;
+  return text + pin_allowance_text(result);
 }
 
 std::string sensitivities_text(const OptimumResult& result) {
@@ -245,6 +268,8 @@ std::string to_json(const OptimumResult& result, const Job& job) {
             {"hessian", result.hessian},
             {"one_percent_loss", Json::array()},
             {"one_percent_limit", Json::array()},
+            {"pin_angle_loss", Json()},
+            {"range_with_wind", Json()},
             {"sensitivity", Json::object()},
             {"sensitivity_of_optimum", Json::object()},
             {"worst", result.robustness ? Json(result.robustness->worst) : Json()},
@@ -255,13 +280,19 @@ std::string to_json(const OptimumResult& result, const Job& job) {
             {"coarse_increment", result.coarse_increment},
             {"designs", result.designs},
             {"seconds", result.seconds},
+            {"units", Json::object()},
+            {"version", version_text()},
             {"job", to_text(job)}};
   if (const auto& unsafe = result.unsafe)
     json["unsafe"] = {{"value", unsafe->value},
                       {"r1", unsafe->design.r1},
                       {"r3", unsafe->design.r3},
                       {"r2", unsafe->design.r2}};
-  for (const auto& [field, value] : result.values) json["values"][info(field).name] = value;
+  for (const auto& [field, value] : result.values) {
+    json["values"][info(field).name] = value;
+    json["units"][info(field).name] = info(field).units;
+  }
+  json["units"][info(result.objective).name] = info(result.objective).units;
   for (const Constraint& c : constraints_of(job)) json["constraints"].push_back(to_text(c));
   const auto searched = searched_job(job).optimum.constraints;
   for (std::size_t i = job.optimum.constraints.size(); i < searched.size(); ++i)
@@ -269,10 +300,13 @@ std::string to_json(const OptimumResult& result, const Job& job) {
   for (const ActiveLimit& limit : result.active)
     json["active"].push_back({{"constraint", limit.constraint}, {"multiplier", limit.multiplier}});
   for (const Allowance& allowance : result.allowances) {
-    json["one_percent_loss"].push_back({allowance.shorter, allowance.longer});
+    json["one_percent_loss"].push_back({allowance.less, allowance.more});
     json["one_percent_limit"].push_back(
-        {text_or_null(allowance.shorter_limit), text_or_null(allowance.longer_limit)});
+        {text_or_null(allowance.less_limit), text_or_null(allowance.more_limit)});
   }
+  if (const auto& pin = result.pin_allowance) json["pin_angle_loss"] = {pin->less, pin->more};
+  if (const auto& wind = result.range_with_wind)
+    json["range_with_wind"] = {{"against", wind->against}, {"with", wind->with}};
   for (const auto& [key, sensitivity] : result.sensitivities) {
     json["sensitivity"][key] = sensitivity.at_design;
     json["sensitivity_of_optimum"][key] = sensitivity.of_optimum;

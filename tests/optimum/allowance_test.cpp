@@ -36,9 +36,8 @@ TEST_CASE("At an allowance 1 % of the value is lost, or a bound is reached, and 
     const auto all = allowances(job, best);
     for (std::size_t d = 0; d < 3; ++d)
       for (const double sign : {-1.0, 1.0}) {
-        const double allowance = sign < 0 ? all[d].shorter : all[d].longer;
-        if (std::isfinite(allowance) &&
-            (sign < 0 ? all[d].shorter_limit : all[d].longer_limit).empty())
+        const double allowance = sign < 0 ? all[d].less : all[d].more;
+        if (std::isfinite(allowance) && (sign < 0 ? all[d].less_limit : all[d].more_limit).empty())
           CHECK(value_with(job, best, d, sign * allowance) == Approx(least).epsilon(1e-5));
         const double reach = std::min(allowance, lengths(best)[d] / 2);
         for (int i = 0; i < 20; ++i) CHECK(value_with(job, best, d, sign * reach * i / 20) > least);
@@ -48,30 +47,30 @@ TEST_CASE("At an allowance 1 % of the value is lost, or a bound is reached, and 
 
 TEST_CASE("An allowance ends at the bounds of the design space, and says which") {
   const auto speed = allowances(Job{}, best);  // r2 + r3 = 1.5 m
-  CHECK(speed[0].shorter_limit.empty());
-  CHECK(speed[0].longer_limit.empty());
+  CHECK(speed[0].less_limit.empty());
+  CHECK(speed[0].more_limit.empty());
   for (const std::size_t d : {1u, 2u}) {
-    CHECK(speed[d].shorter > 0.01);
-    CHECK(speed[d].shorter_limit.empty());
-    CHECK(speed[d].longer == Approx(0).margin(1e-12));
-    CHECK(speed[d].longer_limit == "r2 + r3 <= 1.5");
+    CHECK(speed[d].less > 0.01);
+    CHECK(speed[d].less_limit.empty());
+    CHECK(speed[d].more == Approx(0).margin(1e-12));
+    CHECK(speed[d].more_limit == "r2 + r3 <= 1.5");
   }
   // The arm's angle at the release is given, so that nothing is lost.
   const auto angle = allowances(job_with({{"optimum.objective", "arm-angle"},
                                           {"lattice.r1", "1.1:1.21:0.01"},
                                           {"lattice.r2", "0.89:0.94:0.01"}}),
                                 {1.2, 0.4, 0.9});
-  CHECK(angle[0].shorter == Approx(0.1));
-  CHECK(angle[0].shorter_limit == "r1 >= 1.1");
-  CHECK(angle[0].longer == Approx(0.01));
-  CHECK(angle[0].longer_limit == "r1 <= 1.21");
-  CHECK(angle[1].shorter == Approx(0.1));
-  CHECK(angle[1].shorter_limit == "r3 >= 0.3");
-  CHECK(std::isinf(angle[1].longer));  // an explicit axis of r2 replaces r2 + r3 <= h0
-  CHECK(angle[2].shorter == Approx(0.01));
-  CHECK(angle[2].shorter_limit == "r2 >= 0.89");
-  CHECK(angle[2].longer == Approx(0.04));
-  CHECK(angle[2].longer_limit == "r2 <= 0.94");
+  CHECK(angle[0].less == Approx(0.1));
+  CHECK(angle[0].less_limit == "r1 >= 1.1");
+  CHECK(angle[0].more == Approx(0.01));
+  CHECK(angle[0].more_limit == "r1 <= 1.21");
+  CHECK(angle[1].less == Approx(0.1));
+  CHECK(angle[1].less_limit == "r3 >= 0.3");
+  CHECK(std::isinf(angle[1].more));  // an explicit axis of r2 replaces r2 + r3 <= h0
+  CHECK(angle[2].less == Approx(0.01));
+  CHECK(angle[2].less_limit == "r2 >= 0.89");
+  CHECK(angle[2].more == Approx(0.04));
+  CHECK(angle[2].more_limit == "r2 <= 0.94");
 }
 
 TEST_CASE("An allowance ends where a constraint is violated, and says which") {
@@ -85,8 +84,7 @@ TEST_CASE("An allowance ends where a constraint is violated, and says which") {
   for (std::size_t d = 0; d < 3; ++d)
     for (const double sign : {-1.0, 1.0}) {
       const auto side = [&](const Allowance& a) {
-        return sign < 0 ? std::pair(a.shorter, a.shorter_limit)
-                        : std::pair(a.longer, a.longer_limit);
+        return sign < 0 ? std::pair(a.less, a.less_limit) : std::pair(a.more, a.more_limit);
       };
       const auto [length, text] = side(free[d]);
       INFO(d << ' ' << sign << ' ' << length << ' ' << text);
@@ -111,9 +109,9 @@ TEST_CASE("An active constraint leaves no allowance on its forbidden side") {
     return value_with(plain, design, d, 1e-4) > value_with(plain, design, d, -1e-4);
   };
   for (std::size_t d = 0; d < 3; ++d) {
-    CHECK((grows(d) ? all[d].longer : all[d].shorter) == Approx(0).margin(1e-6));
-    CHECK((grows(d) ? all[d].longer_limit : all[d].shorter_limit) == constraint);
-    CHECK((grows(d) ? all[d].shorter : all[d].longer) > 1e-3);
+    CHECK((grows(d) ? all[d].more : all[d].less) == Approx(0).margin(1e-6));
+    CHECK((grows(d) ? all[d].more_limit : all[d].less_limit) == constraint);
+    CHECK((grows(d) ? all[d].less : all[d].more) > 1e-3);
   }
 }
 
@@ -121,13 +119,13 @@ TEST_CASE("The value of a fixed length is not a bound, but limits end its allowa
   const Design<double> design{0.6, 0.4, 0.8};
   const auto free = allowances(Job{}, design);
   const auto fixed = allowances(job_with({{"lattice.r1", "0.6"}}), design);
-  CHECK(fixed[0].shorter == Approx(free[0].shorter).margin(1e-6));
-  CHECK(fixed[0].longer == Approx(free[0].longer).margin(1e-6));
-  CHECK(free[0].shorter_limit == "r1 >= 0.5");
-  CHECK(fixed[0].shorter_limit == "no release");  // with r1 <= 0.5 m
+  CHECK(fixed[0].less == Approx(free[0].less).margin(1e-6));
+  CHECK(fixed[0].more == Approx(free[0].more).margin(1e-6));
+  CHECK(free[0].less_limit == "r1 >= 0.5");
+  CHECK(fixed[0].less_limit == "no release");  // with r1 <= 0.5 m
   const auto sling = allowances(job_with({{"lattice.r3", "0.58339719"}}), best);
-  CHECK(sling[1].shorter > 0.01);
-  CHECK(sling[1].longer_limit == "r2 + r3 <= 1.5");
+  CHECK(sling[1].less > 0.01);
+  CHECK(sling[1].more_limit == "r2 + r3 <= 1.5");
 }
 
 TEST_CASE("The report names what ends an allowance") {
@@ -151,12 +149,12 @@ TEST_CASE("The report names what ends an allowance") {
 TEST_CASE("The allowance ends where there is no release") {
   // No start with r1 < h - h0 = 0.5 m.
   const Allowance r1 = allowances(Job{}, {0.501, 0.58, 0.91})[0];
-  CHECK(r1.shorter == Approx(0.001).margin(1e-6));
-  CHECK(r1.shorter_limit == "r1 >= 0.5");
-  CHECK(r1.longer > 0.001);
+  CHECK(r1.less == Approx(0.001).margin(1e-6));
+  CHECK(r1.less_limit == "r1 >= 0.5");
+  CHECK(r1.more > 0.001);
   const Allowance fixed = allowances(job_with({{"lattice.r1", "0.501"}}), {0.501, 0.58, 0.91})[0];
-  CHECK(fixed.shorter == Approx(0.001).margin(1e-6));
-  CHECK(fixed.shorter_limit == "no release");
+  CHECK(fixed.less == Approx(0.001).margin(1e-6));
+  CHECK(fixed.less_limit == "no release");
 }
 
 TEST_CASE("A length that may be off by more than half of it has an infinite allowance") {
@@ -166,7 +164,47 @@ TEST_CASE("A length that may be off by more than half of it has an infinite allo
                                         {"lattice.r2", "0.1:2:0.1"}}),
                               {1.2, 0.6, 0.9});
   for (const Allowance& allowance : {all[1], all[2]}) {
-    CHECK(std::isinf(allowance.shorter));
-    CHECK(std::isinf(allowance.longer));
+    CHECK(std::isinf(allowance.less));
+    CHECK(std::isinf(allowance.more));
   }
+}
+
+TEST_CASE(
+    "At the allowance of the pin's angle 1 % is lost or a constraint reached, and not before") {
+  const std::string machine =
+      "[scene]\nfulcrum-height = 1.1\ncounterweight-mass = 60\nprojectile-mass = 0.5\n"
+      "beam-side = 0.06\nbeam-density = 500\nstart-angle = 0.8\n"
+      "counterweight-hanger = 0.4\ntrough = yes\n[solver]\nrelease = farthest\n";
+  const Design<double> design{0.5, 1.3, 1.5};
+  for (const std::string optimum : {"objective = range", "objective = speed",
+                                    "objective = range\nsubject-to = peak-sling-tension <= 312"}) {
+    Job job = job_from(machine + "[optimum]\n" + optimum);
+    const double angle = accurate_value(job, Field::pin_angle, design);
+    std::uint64_t integrated = 0;
+    const auto pin = pin_allowance(design_problem(job, design), design, integrated);
+    REQUIRE(pin);
+    job.solver.release = Release::pin;
+    const auto value_at = [&](double by, Field field) {
+      job.solver.pin_angle = angle + by;
+      return accurate_value(job, field, design);
+    };
+    const double least = 0.99 * value_at(0, job.optimum.objective);
+    for (const double sign : {-1.0, 1.0}) {
+      const double off = sign < 0 ? pin->less : pin->more;
+      const std::string& limit = sign < 0 ? pin->less_limit : pin->more_limit;
+      INFO(optimum << ' ' << sign * off << ' ' << limit);
+      if (!limit.empty())
+        CHECK(value_at(sign * off, Field::peak_sling_tension) == Approx(312).epsilon(1e-5));
+      else if (std::isfinite(off))
+        CHECK(value_at(sign * off, job.optimum.objective) == Approx(least).epsilon(1e-5));
+      for (int i = 0; i < 10; ++i)
+        CHECK(value_at(sign * std::min(off, 1.0) * i / 10, job.optimum.objective) > least);
+    }
+  }
+}
+
+TEST_CASE("A release that no pin makes has no allowance of the pin's angle") {
+  const Job job = job_with({{"solver.release-angle", "0.5"}});  // phi1 - phi2 still grows
+  std::uint64_t integrated = 0;
+  CHECK_FALSE(pin_allowance(design_problem(job, best), best, integrated));
 }

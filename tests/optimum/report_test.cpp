@@ -22,6 +22,9 @@ OptimumResult some_result() {
   result.gradient = {1.25, 2.5, -3.75};
   result.hessian = {{{-11, 12, 13}, {12, -22, 23}, {13, 23, -33}}};
   result.allowances = {{{0.0101, 0.0151}, {0.0156, HUGE_VAL}, {0.0166, 0.3228}}};
+  result.pin_allowance = {0.0317, HUGE_VAL, "", ""};
+  result.range_with_wind = {25.875, 27.125};
+  result.values = {{Field::pin_angle, 0.7853981633974483}};
   result.sensitivities = {{"gravity", {9.8, 0.865, 0.875}}, {"sling-mass", {0, -0.01, -0.02}}};
   result.maxima = {{result.design, result.value, 3, true}, {{0.6, 0.7, 0.8}, 20.5, 1, true}};
   result.coarse_increment = 0.02;
@@ -62,6 +65,9 @@ TEST_CASE("The JSON object has the documented keys, and the values of the result
   CHECK(json["designs"] == 123456);
   CHECK(json["worst"].is_null());
   CHECK(json["one_percent_loss"][1][1].is_null());  // infinite
+  CHECK(json["pin_angle_loss"].dump() == "[0.0317,null]");
+  CHECK(json["range_with_wind"]["with"] == 27.125);
+  CHECK(json["units"]["pin-angle"] == "rad");
   result.robustness = Robustness{25.5, 26.25, {}};
   const auto robust = nlohmann::json::parse(to_json(result, Job{}));
   CHECK(robust["worst"] == 25.5);
@@ -77,8 +83,11 @@ TEST_CASE("The text has the value, the design, what each limit is worth, and the
   for (const std::string words :
        {"range 26.67815712 m", "r1 = 0.5114230, r2 = 0.9166028, r3 = 0.5833972 m",
         "peak-axle-load <= 150000: +0.00015 m per N", "r2 + r3 <= 1.5: +9.5187 m per m",
-        "r1: 0.0101 m shorter or 0.0151 m longer", "any length longer", "2 found from 4 starts",
-        "20.5 m at r1 = 0.6000000, r2 = 0.8000000, r3 = 0.7000000 m", "123456", "0.02 m"})
+        "r1: 0.0101 m shorter or 0.0151 m longer", "pin angle 0.7853981634 rad (45 deg)",
+        "pin: 0.0317 rad (1.816 deg) less or any angle more",
+        "wind       range 25.875 m against 5 m/s, 27.125 m with it", "any length longer",
+        "2 found from 4 starts", "20.5 m at r1 = 0.6000000, r2 = 0.8000000, r3 = 0.7000000 m",
+        "123456", "0.02 m"})
     CHECK_THAT(text, contains(words));
   CHECK_THAT(text, !contains("worst"));
   result.robustness = Robustness{25.5, 26.25, {}};

@@ -15,7 +15,8 @@ class Optimum(CommandTest):
     KEYS = {"objective", "value", "error", "r1", "r3", "r2", "release_time", "active", "gradient", "hessian",
             "one_percent_loss", "one_percent_limit", "constraints", "build_constraints", "sensitivity",
             "sensitivity_of_optimum", "worst", "expected", "maxima", "starts", "starts_at_best", "coarse_increment",
-            "designs", "seconds", "converged", "bounds", "job", "unsafe", "values"}
+            "designs", "seconds", "converged", "bounds", "job", "unsafe", "values", "units", "version", "pin_angle_loss",
+            "range_with_wind"}
 
     def optimum(self, *options, job=None, ranks=None):
         """The JSON object that the command prints, without the run time."""

@@ -32,6 +32,12 @@ struct BuildValue {
   double value;  ///< in the unit of the field
 };
 
+/// The range in a head wind and in a tail wind, m.
+struct WindRange {
+  static constexpr double speed = 5;  ///< of the wind, added to that of the scene, m/s
+  double against, with;
+};
+
 /// A better design than the optimum, next to which the objective jumps.
 struct UnsafeDesign {
   Design<double> design;
@@ -54,6 +60,8 @@ struct OptimumResult {
   std::array<double, 3> gradient;      ///< of the objective, per m
   std::array<std::array<double, 3>, 3> hessian;  ///< per m^2
   std::array<Allowance, 3> allowances;
+  std::optional<Allowance> pin_allowance;    ///< unless no pin makes the release
+  std::optional<WindRange> range_with_wind;  ///< of a projectile that feels drag, with that pin
   /// By the keys of the scene, without the section.
   std::vector<std::pair<std::string, Sensitivity>> sensitivities;
   std::optional<Robustness> robustness;  ///< under the job's deviation, if it has one
