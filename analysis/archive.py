@@ -13,7 +13,7 @@ from program import existing, fail, note, refuse  # before modules that may be m
 import h5py
 import numpy as np
 
-from job import job_text
+from job import job_text, parse_job
 from lattice import read_lattices
 
 AXES = ("r1", "r3", "r2")
@@ -445,18 +445,6 @@ class Archive:
         if len(words) < 2:
             fail(f"{self.path}: is damaged: map {field} lacks the meanings of its flags")
         return [word.replace("_", " ") for word in words]
-
-
-def parse_job(text):
-    """Parses the text of a job file into {(section, key): value}."""
-    values, section = {}, ""
-    for line in text.splitlines():
-        if line.startswith("["):
-            section = line.strip("[]")
-        elif "=" in line:
-            key, value = line.split("=", 1)
-            values[section, key.strip()] = value.strip()
-    return values
 
 
 def outer_names(job):

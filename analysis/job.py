@@ -3,6 +3,18 @@
 INTEGRATION = ("stepper", "time-step", "tolerance", "target-error", "release-window")
 
 
+def parse_job(text):
+    """Parses the text of a job file into {(section, key): value}."""
+    values, section = {}, ""
+    for line in text.splitlines():
+        if line.startswith("["):
+            section = line.strip("[]")
+        elif "=" in line:
+            key, value = line.split("=", 1)
+            values[section, key.strip()] = value.strip()
+    return values
+
+
 def accurate_job(job):
     """The job with the default solver, which is accurate, and a located release instead of the
     window rule."""

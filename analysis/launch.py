@@ -25,12 +25,14 @@ def find_program(given=None):
         "build it or give --program")
 
 
-def run_program(program, *arguments):
-    """A command that has ended, with what it printed; ends the script if it cannot be started."""
+def run_program(program, *arguments, ranks=None):
+    """A command that has ended, with what it printed, on some ranks of mpirun if these are given; ends
+    the script if it cannot be started."""
+    command = [*(("mpirun", "-n", str(ranks)) if ranks else ()), program, *arguments]
     try:
-        return subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
+        return subprocess.run(command, capture_output=True, text=True, check=False)
     except OSError as error:
-        fail(f"{program}: cannot be started: {error.strerror}")
+        fail(f"{command[0]}: cannot be started: {error.strerror}")
 
 
 def check(done):

@@ -63,14 +63,14 @@ def check_output(path, *inputs):
                          f"exists and is no {picture_format(path).upper()}; name another file")
 
 
-def save(figure, path):
-    """Writes a picture, enlarged to hold all labels, and prints its name."""
+def save(figure, path, is_page=False):
+    """Writes a picture, enlarged to hold all labels unless it is a page, and prints its name."""
     try:
         with open(path, "wb") as file:
             form = picture_format(path)
             undated = {"metadata": {"Date": None}} if form == "svg" else {}
-            figure.savefig(file, format=form, dpi=150, bbox_inches="tight", pad_inches=0.08,
-                           **undated)
+            enlarged = {} if is_page else {"bbox_inches": "tight", "pad_inches": 0.08}
+            figure.savefig(file, format=form, dpi=150, **enlarged, **undated)
     except OSError as error:
         fail(f"{path}: cannot be written: {error.strerror or error}")
     plt.close(figure)

@@ -99,16 +99,14 @@ std::string value_text(const OptimumResult& result, Field field, const char* nam
   return fmt::format("{} {:.6g}{}", name, value, after_number(unit_text(info(field).units)));
 }
 
-/// In what the optimum cannot be built, if it cannot: its hanger, or anything if all designs
-/// compete.
-std::string problems_text(const OptimumResult& result, const Job& job) {
+/// In what the optimum cannot be built: its hanger, or anything if all designs compete.
+std::vector<BuildProblem> problems(const OptimumResult& result, const Job& job) {
   std::array<double, build_fields.size()> values;
   std::ranges::transform(build_fields, values.begin(), [&](Field field) {
     const auto found = std::ranges::find(result.values, field, &BuildValue::field);
     return found == result.values.end() ? std::nan("") : found->value;
   });
-  const auto problems = build_problems(job.scene, to_build_values(values));
-  return problems.empty() ? "" : fmt::format("warning    {}\n", to_text(problems));
+  return build_problems(job.scene, to_build_values(values));
 }
 
 /// What a builder needs to know, a line for each kind of quantity.
@@ -237,8 +235,9 @@ std::string to_text(const OptimumResult& result, const Job& job) {
   text += unsafe_text(result, job);
   text += fmt::format("design     {}, released at {:.8g} s\n", to_text(result.design),
                       result.release_time);
-  text += problems_text(result, job) + build_text(result) + limits_text(result, job) +
-          precision_text(result);
+  if (const auto faults = problems(result, job); !faults.empty())
+    text += fmt::format("warning    {}\n", to_text(faults));
+  text += build_text(result) + limits_text(result, job) + precision_text(result);
   text += robustness_text(result, job);
   text += maxima_text(result);
   text += fmt::format("designs    {}", result.designs);
@@ -259,6 +258,7 @@ std::string to_json(const OptimumResult& result, const Job& job) {
             {"release_time", result.release_time},
             {"converged", result.converged},
             {"unsafe", Json()},
+            {"warnings", Json::array()},
             {"values", Json::object()},
             {"constraints", Json::array()},
             {"build_constraints", Json::array()},
@@ -269,6 +269,7 @@ std::string to_json(const OptimumResult& result, const Job& job) {
             {"one_percent_loss", Json::array()},
             {"one_percent_limit", Json::array()},
             {"pin_angle_loss", Json()},
+            {"pin_angle_limit", Json()},
             {"range_with_wind", Json()},
             {"sensitivity", Json::object()},
             {"sensitivity_of_optimum", Json::object()},
@@ -288,6 +289,8 @@ std::string to_json(const OptimumResult& result, const Job& job) {
                       {"r1", unsafe->design.r1},
                       {"r3", unsafe->design.r3},
                       {"r2", unsafe->design.r2}};
+  for (const BuildProblem& problem : problems(result, job))
+    json["warnings"].push_back(problem.text);
   for (const auto& [field, value] : result.values) {
     json["values"][info(field).name] = value;
     json["units"][info(field).name] = info(field).units;
@@ -304,7 +307,10 @@ std::string to_json(const OptimumResult& result, const Job& job) {
     json["one_percent_limit"].push_back(
         {text_or_null(allowance.less_limit), text_or_null(allowance.more_limit)});
   }
-  if (const auto& pin = result.pin_allowance) json["pin_angle_loss"] = {pin->less, pin->more};
+  if (const auto& pin = result.pin_allowance) {
+    json["pin_angle_loss"] = {pin->less, pin->more};
+    json["pin_angle_limit"] = {text_or_null(pin->less_limit), text_or_null(pin->more_limit)};
+  }
   if (const auto& wind = result.range_with_wind)
     json["range_with_wind"] = {{"against", wind->against}, {"with", wind->with}};
   for (const auto& [key, sensitivity] : result.sensitivities) {

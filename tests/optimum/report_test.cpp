@@ -66,6 +66,7 @@ TEST_CASE("The JSON object has the documented keys, and the values of the result
   CHECK(json["worst"].is_null());
   CHECK(json["one_percent_loss"][1][1].is_null());  // infinite
   CHECK(json["pin_angle_loss"].dump() == "[0.0317,null]");
+  CHECK(json["pin_angle_limit"].dump() == "[null,null]");
   CHECK(json["range_with_wind"]["with"] == 27.125);
   CHECK(json["units"]["pin-angle"] == "rad");
   result.robustness = Robustness{25.5, 26.25, {}};
