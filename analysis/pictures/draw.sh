@@ -45,6 +45,11 @@ draw built.svg machine --built
 draw neighbourhood.png neighbourhood "$repository/jobs/accurate.cfg" --program "$program" -- \
   --optimum.subject-to "peak-beam-stress <= 6e7" --optimum.deviation 0.01 --lattice.r1 0.52:1:0.01
 
+# Without the version, which changes.
+"$program" optimum "$repository/jobs/hobby.cfg" --json --progress none |
+  sed 's/^  "version": .*/  "version": "trebsweep",/' >hobby.json
+draw sheet.png build_sheet hobby.json --program "$program"
+
 sweep accurate masses.h5 --scene.projectile-mass "10, 20, 50, 100, 200, 300, 500, 700, 1000" \
   --lattice.increment 0.02 --optimum.refine yes --output.maps none
 draw study.png study masses.h5

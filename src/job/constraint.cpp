@@ -25,8 +25,15 @@ std::string quantity_names() {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+std::vector<Field> fields_of(const std::vector<Constraint>& constraints) {
+  std::vector<Field> fields;
+  for (const auto& [expression, is_upper, limit] : constraints)
+    fields.insert(fields.end(), expression.fields.begin(), expression.fields.end());
+  return fields;
+}
+
 std::string to_text(const Constraint& constraint) {
-  return fmt::format("{} {} {}", info(constraint.field).name,
+  return fmt::format("{} {} {}", constraint.expression.text,
                      constraint.is_upper ? "<=" : ">=", constraint.limit);
 }
 
@@ -36,13 +43,16 @@ Constraint to_constraint(const std::string& key, const std::string& text) {
   };
   const auto sign = std::min(text.find("<="), text.find(">="));
   check(sign != text.npos, "with the sign <= or >=, which includes the limit");
-  const auto field = to_quantity(boost::trim_copy(text.substr(0, sign)));
-  check(field.has_value(), "where FIELD is one of " + quantity_names());
+  const auto expression = to_expression(text.substr(0, sign));
+  check(
+      expression.has_value(),
+      "where FIELD is one of " + quantity_names() +
+          ", or a formula with + - * / ( ) abs() of these, r1, r2, r3 and numeric keys of [scene]");
   const std::string number = boost::trim_copy(text.substr(sign + 2));
-  const std::string_view unit = info(*field).units;
+  const std::string& unit = expression->unit;
   const auto limit = to_si(number, unit);
   check(limit && std::isfinite(*limit), "where NUMBER is finite" + allowed_units(number, unit));
-  return {*field, text[sign] == '<', *limit};
+  return {*expression, text[sign] == '<', *limit};
 }
 
 }  // namespace trebsweep

@@ -67,6 +67,9 @@ Key outer_key(const std::string& name, const std::string& meaning, const KeyKind
   Key outer = key(name, meaning, kind, member);
   const auto is_own = [=](const OuterAxis& axis) { return axis.key == name; };
   outer.set_number = [=](Scene& scene, double value) { scene.*member = value; };
+  outer.number = [=](const Scene& scene) {
+    return std::optional<double>(scene.*member).value_or(std::numeric_limits<double>::quiet_NaN());
+  };
   outer.set = [=, set_one = outer.set](Job& job, const std::string& value) {
     if (!has_several_values(value)) return set_one(job, value);
     const auto parse = [&](const std::string& text) {
@@ -262,7 +265,7 @@ const std::vector<Key>& job_keys() {
       key("optimum.objective", "field whose largest value is the optimum",
           quantity(), &OptimumSpec::objective),
       key("optimum.subject-to",
-          "constraints that the optimum satisfies, in the units of the fields (default: none)",
+          "constraints that the optimum satisfies (default: none)",
           constraints(), &OptimumSpec::constraints),
       key("optimum.deviation",
           "largest deviation of each built length from the optimum's, where 0 means exact "

@@ -172,7 +172,7 @@ KeyKind<Field> quantity() {
 KeyKind<std::vector<Constraint>> constraints() {
   return {"LIST",
           "a list, each FIELD <= NUMBER or FIELD >= NUMBER, separated by commas, where FIELD is as "
-          "for objective",
+          "for objective, or a formula of such fields, r1, r2, r3 and numeric keys of [scene]",
           [](const std::string& key, const std::string& text) {
             std::vector<Constraint> constraints;
             if (boost::trim_copy(text).empty()) return constraints;

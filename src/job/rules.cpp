@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/job/key.hpp"
 #include "trebsweep/job/study.hpp"
 #include "trebsweep/model/start.hpp"
 
@@ -132,16 +133,23 @@ void check_fields(const Job& job, const Scene& scene) {
     check(field, "output.fields", name(field), "left out");
   const Field objective = job.optimum.objective;
   check(objective, "optimum.objective", name(objective), "another field");
-  for (const Constraint& constraint : job.optimum.constraints)
-    check(constraint.field, "optimum.subject-to", to_text(constraint), "left out");
+  for (const Constraint& constraint : job.optimum.constraints) {
+    const auto& [text, unit, fields, keys, is_constant, value] = constraint.expression;
+    for (const Field field : fields)
+      check(field, "optimum.subject-to", to_text(constraint), "left out");
+    for (const std::string& key : keys)
+      if (std::isnan(std::ranges::find(job_keys(), key, &Key::name)->number(scene)))
+        refuse("optimum.subject-to", to_text(constraint),
+               fmt::format("left out unless {} is given", key));
+  }
 }
 
-/// Checks that two constraints on the same field are a lower limit and a larger upper limit.
+/// Checks that two constraints on the same expression are a lower limit and a larger upper limit.
 void check_pair(const Constraint& a, const Constraint& b) {
   if (a.is_upper == b.is_upper)
     refuse("optimum.subject-to", to_text(b),
            fmt::format("the only {} limit of {}; {} is another", a.is_upper ? "upper" : "lower",
-                       info(a.field).name, to_text(a)));
+                       a.expression.text, to_text(a)));
   const double low = (a.is_upper ? b : a).limit, high = (a.is_upper ? a : b).limit;
   if (low >= high)
     refuse("optimum.subject-to", fmt::format("{}, {}", to_text(a), to_text(b)),
@@ -154,7 +162,7 @@ void check_optimum(const OptimumSpec& optimum) {
   const auto& constraints = optimum.constraints;
   for (auto b = constraints.begin(); b != constraints.end(); ++b)
     for (auto a = constraints.begin(); a != b; ++a)
-      if (a->field == b->field) check_pair(*a, *b);
+      if (a->expression.text == b->expression.text) check_pair(*a, *b);
   if (optimum.robust != Robust::no && optimum.deviation == 0)
     refuse("optimum.robust", std::string(robust_names[static_cast<std::size_t>(optimum.robust)]),
            "no unless optimum.deviation is above 0");

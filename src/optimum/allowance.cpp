@@ -124,7 +124,7 @@ std::optional<Allowance> pin_allowance(const DesignProblem& problem, const Desig
   DesignProblem pinned = problem;
   pinned.solver.release = Release::pin;
   const auto values_off = [&](const std::vector<double>& distances) {
-    Eigen::MatrixXd values(problem.fields.size(), distances.size());
+    Eigen::MatrixXd values(1 + problem.constraints.size(), distances.size());
     integrated += distances.size();
     for (std::size_t i = 0; i < distances.size(); ++i) {
       pinned.solver.pin_angle = angle + distances[i];

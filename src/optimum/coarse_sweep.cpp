@@ -112,7 +112,7 @@ std::vector<std::size_t> local_maxima(const Lattice& lattice, const std::vector<
 
 bool is_about_release_time(const Job& job) {
   return job.optimum.objective == Field::release_time ||
-         std::ranges::count(job.optimum.constraints, Field::release_time, &Constraint::field) > 0;
+         std::ranges::count(fields_of(job.optimum.constraints), Field::release_time) > 0;
 }
 
 /// The violations of designs, each relative to the scale_of() the constraint; NaN without a
@@ -120,14 +120,15 @@ bool is_about_release_time(const Job& job) {
 std::vector<double> violations_of(const std::vector<Constraint>& constraints, const Scene& scene,
                                   std::span<const Design<double>> designs, RankedValues& values_of,
                                   std::vector<std::uint64_t>& violations) {
-  std::vector<Field> fields;
-  for (const Constraint& c : constraints) fields.push_back(c.field);
+  const std::vector<Field> fields = fields_of(constraints);
   std::vector<double> worst;
   const Eigen::MatrixXd all = values_of(designs, fields);
-  for (const auto& values : all.colwise()) {
+  for (std::size_t n = 0; n < designs.size(); ++n) {
+    const Operands operands{
+        scene, designs[n], fields, {all.data() + n * fields.size(), fields.size()}};
     double& largest = worst.emplace_back(0);
     for (std::size_t c = 0; c < constraints.size(); ++c) {
-      const double by = violation(constraints[c], values(static_cast<Eigen::Index>(c))) /
+      const double by = violation(constraints[c], constraints[c].expression.value(operands)) /
                         scale_of(constraints[c], scene, 0);
       violations[c] += !(by <= feasibility_tolerance);
       largest = std::isnan(by) ? by : std::max(largest, by);

@@ -27,10 +27,10 @@ double magnitude(double value) { return std::abs(value) > 0 ? std::abs(value) : 
 }  // namespace
 
 double scale_of(const Constraint& constraint, const Scene& scene, double value) {
-  const std::string_view units = info(constraint.field).units;
-  const double size = units == "m"   ? scene.fulcrum_height
-                      : units == "N" ? std::max(std::abs(value), weight(scene))
-                                     : magnitude(value);
+  const std::string& unit = constraint.expression.unit;
+  const double size = unit == "m"   ? scene.fulcrum_height
+                      : unit == "N" ? std::max(std::abs(value), weight(scene))
+                                    : magnitude(value);
   constexpr double negligible = 2 * smallest_tension;
   const double limit = std::abs(constraint.limit);
   return limit > negligible * size ? limit : size;
@@ -46,7 +46,7 @@ std::vector<Constraint> constraints_of(const Job& job) {
   if (job.output.optimum_filter == OptimumFilter::taut) {
     // The tension of an elastic sling is never negative.
     const bool elastic = job.scene.sling_stiffness > 0;
-    constraints.push_back({.field = Field::least_sling_tension,
+    constraints.push_back({.expression = to_expression(Field::least_sling_tension),
                            .is_upper = false,
                            .limit = elastic ? smallest_tension * weight(job.scene) : 0});
   }
@@ -56,7 +56,8 @@ std::vector<Constraint> constraints_of(const Job& job) {
 std::vector<Constraint> build_constraints(const Scene& scene, const Solver& solver) {
   std::vector<Constraint> constraints;
   const auto add = [&](Field field, bool is_upper, double limit) {
-    constraints.push_back({.field = field, .is_upper = is_upper, .limit = limit});
+    constraints.push_back(
+        {.expression = to_expression(field), .is_upper = is_upper, .limit = limit});
   };
   add(Field::tip_clearance, false, 0);
   add(Field::counterweight_clearance, false, 0);
@@ -73,7 +74,8 @@ Job searched_job(const Job& job) {
   Job searched = job;
   if (!job.optimum.buildable) return searched;
   const auto implies = [](const Constraint& a, const Constraint& b) {
-    return a.field == b.field && a.is_upper == b.is_upper && violation(b, a.limit) <= 0;
+    return a.expression.text == b.expression.text && a.is_upper == b.is_upper &&
+           violation(b, a.limit) <= 0;
   };
   for (const Constraint& condition : build_constraints(job.scene, job.solver)) {
     const auto given = constraints_of(job);
@@ -91,9 +93,9 @@ DesignProblem design_problem(const Job& job, const Design<double>& typical) {
                         .constraints = constraints_of(job),
                         .scales = {},
                         .variables = {}};
-  for (const Constraint& c : problem.constraints) problem.fields.push_back(c.field);
-  const MatrixXd values =
-      field_values(job.scene, job.solver, Accuracy::high, {&typical, 1}, problem.fields);
+  const std::vector<Field> constrained = fields_of(problem.constraints);
+  problem.fields.insert(problem.fields.end(), constrained.begin(), constrained.end());
+  const MatrixXd values = quantities(problem, job.scene, job.solver, {&typical, 1});
   problem.scales.push_back(magnitude(values(0)));
   for (std::size_t i = 0; i < problem.constraints.size(); ++i)
     problem.scales.push_back(
@@ -125,9 +127,23 @@ Design<double> to_design(const DesignProblem& problem, const VectorXd& variables
   return to_design(r);
 }
 
+MatrixXd quantities(const DesignProblem& problem, const Scene& scene, const Solver& solver,
+                    std::span<const Design<double>> designs) {
+  const MatrixXd fields = field_values(scene, solver, Accuracy::high, designs, problem.fields);
+  const std::size_t count = problem.fields.size();
+  MatrixXd values(1 + problem.constraints.size(), designs.size());
+  for (std::size_t n = 0; n < designs.size(); ++n) {
+    const Operands operands{scene, designs[n], problem.fields, {fields.data() + n * count, count}};
+    const auto column = static_cast<Index>(n);
+    values(0, column) = fields(0, column);
+    for (std::size_t i = 0; i < problem.constraints.size(); ++i)
+      values(static_cast<Index>(i) + 1, column) = problem.constraints[i].expression.value(operands);
+  }
+  return values;
+}
+
 MatrixXd values_at(const DesignProblem& problem, std::span<const Design<double>> designs) {
-  MatrixXd values =
-      field_values(problem.scene, problem.solver, Accuracy::high, designs, problem.fields);
+  MatrixXd values = quantities(problem, problem.scene, problem.solver, designs);
   values.row(0) /= problem.scales[0];
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const Constraint& constraint = problem.constraints[i];
@@ -192,8 +208,8 @@ std::vector<Limit> limits(const DesignProblem& problem) {
   const double objective = problem.scales[0];
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const Constraint& c = problem.constraints[i];
-    all.push_back({to_text(c), std::string(info(c.field).units),
-                   (c.is_upper ? 1 : -1) * objective / problem.scales[i + 1]});
+    all.push_back(
+        {to_text(c), c.expression.unit, (c.is_upper ? 1 : -1) * objective / problem.scales[i + 1]});
   }
   if (has_sum(problem))
     all.push_back({fmt::format("r2 + r3 <= {:.9g}", *problem.space.longest_sum), "m",

@@ -11,7 +11,6 @@
 #include "trebsweep/job/key.hpp"
 #include "trebsweep/job/rules.hpp"
 #include "trebsweep/optimum/derivatives.hpp"
-#include "trebsweep/optimum/field_values.hpp"
 
 namespace trebsweep {
 namespace {
@@ -31,13 +30,13 @@ std::optional<double> number_of(const Job& job, const Key& key) {
   return parse_number(key.get(job), value) ? std::optional(value) : std::nullopt;
 }
 
-/// The objective and the constrained fields at a design, and the limits, with another value of a
-/// key; NaN if the key does not allow it. Limits of fields do not depend on the scene.
+/// The objective and the constrained expressions at a design, and the limits, with another value of
+/// a key; NaN if the key does not allow it. Limits of fields do not depend on the scene.
 VectorXd values_with(const Job& job, const Key& key, double value, const DesignProblem& problem,
                      const Design<double>& design) {
-  const auto fields = static_cast<Index>(problem.fields.size());
-  const auto bounds = static_cast<Index>(limits(problem).size()) - (fields - 1);
-  VectorXd all = VectorXd::Constant(fields + bounds, std::nan(""));
+  const auto functions = static_cast<Index>(problem.constraints.size()) + 1;
+  const auto bounds = static_cast<Index>(limits(problem).size()) - (functions - 1);
+  VectorXd all = VectorXd::Constant(functions + bounds, std::nan(""));
   Job varied = job;
   DesignSpace space;
   try {
@@ -46,9 +45,8 @@ VectorXd values_with(const Job& job, const Key& key, double value, const DesignP
   } catch (const std::runtime_error&) {  // an InputError or NoOptimum
     return all;
   }
-  all.head(fields) =
-      field_values(varied.scene, varied.solver, Accuracy::high, {&design, 1}, problem.fields);
-  Index i = fields;
+  all.head(functions) = quantities(problem, varied.scene, varied.solver, {&design, 1});
+  Index i = functions;
   if (has_sum(problem)) all(i++) = *space.longest_sum;
   for (const auto* bound : {&space.lower, &space.upper})
     for (const std::size_t d : problem.variables) all(i++) = (*bound)[d];
@@ -103,13 +101,13 @@ Sensitivity sensitivity(const Job& job, const DesignProblem& problem, const std:
     return found.error <= doubtful ? found.value : std::nan("");
   };
 
-  // derivatives(i) is that of the optimum when limit i grows. A field that grows by as much leaves
-  // that much less to its limit.
-  const auto fields = static_cast<Index>(problem.fields.size());
+  // derivatives(i) is that of the optimum when limit i grows. An expression that grows by as much
+  // leaves that much less to its limit.
+  const auto functions = static_cast<Index>(problem.constraints.size()) + 1;
   double of_optimum = derivative(0);
   for (Index i = 0; i < derivatives.size(); ++i)
     if (derivatives(i) != 0)
-      of_optimum += (i + 1 < fields ? -1 : 1) * derivatives(i) * derivative(i + 1);
+      of_optimum += (i + 1 < functions ? -1 : 1) * derivatives(i) * derivative(i + 1);
   return {value, derivative(0), of_optimum};
 }
 

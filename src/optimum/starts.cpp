@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "trebsweep/optimum/coarse_sweep.hpp"
-#include "trebsweep/optimum/field_values.hpp"
 #include "trebsweep/optimum/nonlinear_program.hpp"
 
 namespace trebsweep {
@@ -55,8 +54,7 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
 void refuse_constraints(const DesignProblem& problem, const Starts& starts) {
   const Design<double>& closest = starts.designs.front();
   const auto most = std::ranges::max_element(starts.violations);
-  const Eigen::VectorXd values =
-      field_values(problem.scene, problem.solver, Accuracy::high, {&closest, 1}, problem.fields);
+  const Eigen::VectorXd values = quantities(problem, problem.scene, problem.solver, {&closest, 1});
   std::vector<std::string> violated;
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const Constraint& constraint = problem.constraints[i];

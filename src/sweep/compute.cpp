@@ -34,7 +34,7 @@ void Compute::finish(const Scene& scene, ComputedTile& tile) {
     for (std::size_t m = 0; m < tile.maps.size(); ++m)
       if (!is_flag(fields_[m]) || !std::isnan(values[m])) tile.maps[m][cell] = values[m];
     tile.tally.add(swings_[n], in_study, designs_[n],
-                   objective(values.subspan(maps_), study_.job()));
+                   objective(values.subspan(maps_), study_.job(), scene, designs_[n]));
   }
   designs_.clear();
   cells_.clear();

@@ -75,7 +75,7 @@ TEST_CASE("If released designs are excluded, the text says by what") {
   job.output.optimum_filter = OptimumFilter::taut;
   CHECK_THAT(to_text(summary, job),
              contains("optimum   none: no released design has a taut sling\n"));
-  job.optimum = {Field::range, {{Field::apex, true, 3}}};
+  job.optimum = {Field::range, {{to_expression(Field::apex), true, 3}}};
   CHECK_THAT(to_text(summary, job),
              contains("optimum   none: no released design has a finite range and has a taut sling "
                       "and satisfies the constraints\n"));
@@ -90,7 +90,8 @@ TEST_CASE("The optimum's objective is printed with its unit, and so are the cons
   CHECK_THAT(to_text(summary, job),
              contains("optimum   range 27.01 m" + place + " with 15.50000000 m/s\n"));
   job.optimum = {Field::efficiency,
-                 {{Field::peak_axle_load, true, 150000}, {Field::least_sling_tension, false, 0}}};
+                 {{to_expression(Field::peak_axle_load), true, 150000},
+                  {to_expression(Field::least_sling_tension), false, 0}}};
   job.output.optimum_filter = OptimumFilter::taut;
   CHECK_THAT(to_text(summary, job),
              contains("optimum   efficiency 27.01" + place +

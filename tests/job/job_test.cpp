@@ -228,7 +228,7 @@ refine = yes
                                     "<= 150000, least-sling-tension >= 0\n"));
   CHECK(again.optimum.objective == Field::range);
   REQUIRE(again.optimum.constraints.size() == 3);
-  CHECK(again.optimum.constraints[1].field == Field::peak_axle_load);
+  CHECK(again.optimum.constraints[1].expression.text == "peak-axle-load");
   CHECK(again.optimum.constraints[1].limit == 1.5e5);
   CHECK(again.optimum.deviation == 0.005);
   CHECK(again.optimum.robust == Robust::worst);

@@ -3,6 +3,7 @@
 #include "job/parse.hpp"
 #include "support/catch.hpp"
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/job/key.hpp"
 
 #if __has_include(<udunits2.h>)
 #include <udunits2.h>

@@ -187,4 +187,24 @@ TEST_CASE("A multiplier is the change of the optimum when its limit changes") {
   const DesignProblem high = design_problem(
       job_with({{"optimum.objective", "speed"}, {"optimum.subject-to", "apex >= 5"}}), typical);
   check_multiplier(high, "apex >= 5", 5e-4, field);
+  const DesignProblem beam =
+      design_problem(job_with({{"optimum.subject-to", "r1 + r2 <= 1.35"}}), typical);
+  check_multiplier(beam, "r1 + r2 <= 1.35", 1e-4, field);
+  const DesignProblem ratio = design_problem(
+      job_with({{"optimum.subject-to", "peak-axle-load / counterweight-mass <= 32"}}), typical);
+  check_multiplier(ratio, "peak-axle-load / counterweight-mass <= 32", 3e-3, field);
+}
+
+TEST_CASE("A limit of an expression is that of its field, in another unit") {
+  std::uint64_t count = 0;
+  const auto optimum = [&](const std::string& constraint) {
+    const DesignProblem problem =
+        design_problem(job_with({{"optimum.subject-to", constraint}}), typical);
+    return search(nominal_program(problem, count), to_variables(problem, typical)).point.x;
+  };
+  const auto of_field = optimum("peak-axle-load <= 1.6e5");
+  for (const std::string same :
+       {"peak-axle-load / counterweight-mass <= 32", "-peak-axle-load >= -1.6e5",
+        "abs(peak-axle-load - 1e5) / 1000 <= 60"})
+    CHECK((optimum(same) - of_field).norm() < 1e-8);
 }

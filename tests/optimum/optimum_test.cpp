@@ -210,7 +210,8 @@ TEST_CASE("Limits that bind are satisfied, and no feasible design nearby is bett
     // The axle always bears the counterweight.
     const double part = field == Field::peak_axle_load ? 0.997 : uniform(random, 0.8, 0.95);
     const double limit = part * accurate_value(job, field, unlimited.design);
-    job.optimum.constraints = {{.field = field, .is_upper = true, .limit = limit}};
+    job.optimum.constraints = {
+        {.expression = to_expression(field), .is_upper = true, .limit = limit}};
     const OptimumResult found = optimum_of(job);
     INFO(kind << ", " << info(field).name);
     CHECK(found.value < unlimited.value);

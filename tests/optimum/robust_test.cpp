@@ -99,7 +99,8 @@ TEST_CASE("No design nearby has a better worst case or expected value than the o
       const auto is_allowed = [&](const Design<double>& design) {
         if (design.r2 + design.r3 > *problem.space.longest_sum + 1e-12) return false;
         for (const Constraint& c : problem.constraints)
-          for (const double value : accurate_values(job, c.field, cube(design, deviation, 3)))
+          for (const double value :
+               accurate_values(job, c.expression.fields.front(), cube(design, deviation, 3)))
             if (!(violation(c, value) <= 1e-7 * std::abs(c.limit))) return false;
         return true;
       };

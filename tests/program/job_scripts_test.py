@@ -211,7 +211,7 @@ class Run(DirectoryTest):
         done, results = self.run_script()
         self.assertEqual(results, {"paper.h5", "paper.png", "paper-optimum.cfg", "paper-optimum.txt",
                                    "paper-swing.txt", "paper-flight.txt", "paper-swing.png",
-                                   "paper-neighbourhood.png"})
+                                   "paper-neighbourhood.png", "paper-sheet.pdf"})
         report = self.read("results/paper-optimum.txt").decode()
         self.assertIn(report, done.stdout)
         found = re.search(r"^optimum +speed ([\d.]+) m/s", report, re.MULTILINE)

@@ -130,7 +130,7 @@ TEST_CASE("The checks include a status that a single design has") {
 
 TEST_CASE("The objective is that of designs that satisfy the constraints, next to the optimum") {
   Job job = medium_job();
-  job.optimum = {Field::range, {{Field::peak_axle_load, true, 1.5e5}}};
+  job.optimum = {Field::range, {{to_expression(Field::peak_axle_load), true, 1.5e5}}};
   const auto checks = measure(job, integrate_all(job)).checks;
   const std::array fields{Field::range, Field::peak_axle_load};
   int satisfied = 0, violated = 0;

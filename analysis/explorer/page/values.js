@@ -35,7 +35,8 @@ function parseConstraint({ name, names }, text, core) {
   const check = (valid, why) => valid || refuse(name, text, `FIELD <= NUMBER or FIELD >= NUMBER, ${why}`);
   const [, field, sign, limit] = text.match(/^(.*?)\s*([<>]=)(.*)$/) ?? [];
   check(sign, "with the sign <= or >=, which includes the limit");
-  check(names(core).includes(field), `where FIELD is one of ${names(core).join(", ")}`);
+  check(names(core).includes(field), `where FIELD is one of ${names(core).join(", ")}, or a formula with + - * / ( ) abs() ` +
+    "of these, r1, r2, r3 and numeric keys of [scene]");
   const x = parseNumber(limit);
   check(Number.isFinite(x), "where NUMBER is finite");
   return { field, sign, limit: x };

@@ -3,23 +3,27 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "trebsweep/swing/field.hpp"
+#include "trebsweep/job/expression.hpp"
 
 namespace trebsweep {
 
-/// A bound of a field, included in what is allowed.
+/// A bound of an expression, included in what is allowed.
 struct Constraint {
-  Field field;    ///< one that is_quantity()
-  bool is_upper;  ///< field <= limit, else field >= limit
-  double limit;   ///< in the unit of the field
+  Expression expression;
+  bool is_upper;  ///< expression <= limit, else expression >= limit
+  double limit;   ///< in the unit of the expression
 };
 
-/// By how much a value violates a constraint, in the unit of the field; negative where the
+/// By how much a value violates a constraint, in the unit of the expression; negative where the
 /// constraint holds, NaN where the value is NaN.
 inline double violation(const Constraint& constraint, double value) {
   return constraint.is_upper ? value - constraint.limit : constraint.limit - value;
 }
+
+/// The fields that constraints need, one after the other.
+std::vector<Field> fields_of(const std::vector<Constraint>& constraints);
 
 /// The field with a name, if there is one that is_quantity().
 std::optional<Field> to_quantity(std::string_view name);

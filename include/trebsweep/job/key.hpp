@@ -27,6 +27,8 @@ struct Key {
   std::function<std::string(const Job&)> get;
   /// Sets the number of a scene; empty for a key that cannot be an outer axis.
   std::function<void(Scene&, double)> set_number = {};
+  /// The number of a scene, NaN if it is not set; empty where set_number is.
+  std::function<double(const Scene&)> number = {};
 
   /// Its meaning, its unit and what is allowed.
   std::string help() const;

@@ -18,7 +18,7 @@ struct DesignProblem {
   Scene scene;
   Solver solver;
   DesignSpace space;
-  std::vector<Field> fields;            ///< the objective, then those of the constraints
+  std::vector<Field> fields;            ///< the objective, then fields_of() the constraints
   std::vector<Constraint> constraints;  ///< the job's; the last one is that of a taut sling, if any
   std::vector<double> scales;           ///< of the objective and the constraints
   std::vector<std::size_t> variables;   ///< indices of the lengths that are not fixed
@@ -51,6 +51,11 @@ Design<double> to_design(const DesignProblem& problem, const Eigen::VectorXd& va
 
 /// The length (m) by which a variable is divided.
 double length_scale(const DesignProblem& problem, std::size_t length);
+
+/// The objective and the expressions of the constraints at designs of a scene, a column per design,
+/// integrated accurately.
+Eigen::MatrixXd quantities(const DesignProblem& problem, const Scene& scene, const Solver& solver,
+                           std::span<const Design<double>> designs);
 
 /// The scaled objective and constraints at designs, a column per design, integrated accurately.
 Eigen::MatrixXd values_at(const DesignProblem& problem, std::span<const Design<double>> designs);

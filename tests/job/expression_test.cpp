@@ -1,0 +1,80 @@
+#include "trebsweep/job/expression.hpp"
+
+#include <cmath>
+
+#include "support/catch.hpp"
+
+using namespace trebsweep;
+
+namespace {
+
+constexpr std::array fields{Field::range, Field::peak_axle_load, Field::peak_beam_stress,
+                            Field::apex};
+constexpr std::array values{80.0, 5000.0, 2e7, 12.5};
+
+/// The value of a text for those fields, the default scene and a design.
+double value_of(const std::string& text) {
+  const auto expression = to_expression(text);
+  REQUIRE(expression);
+  const Scene scene;
+  const Design<double> design{0.5, 0.6, 0.9};
+  return expression->value({scene, design, fields, values});
+}
+
+}  // namespace
+
+TEST_CASE("An expression has the value of its formula") {
+  CHECK(value_of("range") == 80);
+  CHECK(value_of("r1 + r2") == 0.5 + 0.9);
+  CHECK(value_of("r3") == 0.6);
+  CHECK(value_of("peak-axle-load / counterweight-mass") == 5000.0 / 5000);
+  CHECK(value_of("range - 0.01*peak-beam-stress") == 80 - 0.01 * 2e7);
+  CHECK(value_of("abs(range - 100)") == 20);
+  CHECK(value_of("-range") == -80);
+  CHECK(value_of("-range + 2 * apex") == -80 + 25);
+  CHECK(value_of("2 - 3 - 4 + r1 - r1") == 2 - 3 - 4);
+  CHECK(value_of("100 / 5 / 2 * range") == 10 * 80);
+  CHECK(value_of("1 + 2 * (r1 + r2) / r3") == 1 + 2 * (0.5 + 0.9) / 0.6);
+  CHECK(value_of("- (r1 - 2)*-3") == -(0.5 - 2) * -3);
+  CHECK(value_of(" range*gravity ") == 80 * 9.8);
+  CHECK(value_of("1e2*r1 + .5") == 50.5);
+}
+
+TEST_CASE("A hyphen belongs to the longest name that fits, and is a minus elsewhere") {
+  CHECK(value_of("apex-1") == 11.5);
+  CHECK(value_of("peak-axle-load-apex") == 5000 - 12.5);
+  CHECK(value_of("range-r1") == 79.5);
+}
+
+TEST_CASE("An operand without a value makes an expression NaN") {
+  CHECK(std::isnan(value_of("range + speed")));        // speed is not among the fields
+  CHECK(std::isnan(value_of("range * beam-moment")));  // a key that is not set
+}
+
+TEST_CASE("An expression tells the fields and keys that it needs, and its text") {
+  const auto expression = to_expression("  (range-r1)  / counterweight-mass + apex ");
+  REQUIRE(expression);
+  CHECK(expression->fields == std::vector{Field::range, Field::apex});
+  CHECK(expression->keys == std::vector<std::string>{"scene.counterweight-mass"});
+  CHECK(expression->text == "(range-r1) / counterweight-mass + apex");
+}
+
+TEST_CASE("The unit is that of all operands of a sum, or of the only one of a product") {
+  const auto unit = [](const std::string& text) { return to_expression(text)->unit; };
+  CHECK(unit("r1 + r2") == "m");
+  CHECK(unit("range - 50") == "m");
+  CHECK(unit("2 * r1") == "m");
+  CHECK(unit("abs(range - r1)") == "m");
+  CHECK(unit("-peak-axle-load") == "N");
+  CHECK(unit("r1 / r2").empty());
+  CHECK(unit("range - 0.01*peak-beam-stress").empty());
+  CHECK(unit("r1 + r2 * r3").empty());
+}
+
+TEST_CASE("A text that is no formula of known operands is no expression") {
+  for (const char* text :
+       {"",       " ",           "3",       "1 + 2",   "abs(3)", "range +", "(range",
+        "range)", "range range", "2 range", "mass",    "status", "steps",   "speed-error",
+        "Range",  "range ^ 2",   "range <", "sin(r1)", "r4",     "nan"})
+    CHECK_FALSE(to_expression(text));
+}
