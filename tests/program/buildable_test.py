@@ -9,7 +9,7 @@ from collections import namedtuple
 import h5py
 import numpy as np
 
-from support import DirectoryTest
+from support import JOBS, DirectoryTest
 
 AXES = ("r1", "r3", "r2")
 FIELDS = ("tip-clearance", "counterweight-clearance", "projectile-clearance", "least-sling-tension", "pin-angle")
@@ -65,7 +65,7 @@ class RandomMachines(DirectoryTest):
         return None
 
     def assert_can_be_built(self, machine, design):
-        """In the rows of its trace, nothing is below the ground, and the sling pulls."""
+        """In the rows of its trace, which are returned, nothing is below the ground, and the sling pulls."""
         lengths = [f"--{axis}={design[axis]!r}" for axis in AXES]
         trace = self.run_program("trace", self.job, *lengths, "--interval", "2e-4").stdout
         comments = dict(line[2:].split(" = ") for line in trace.splitlines() if line.startswith("# "))
@@ -77,6 +77,7 @@ class RandomMachines(DirectoryTest):
             self.assertGreaterEqual(heights.min(), ground, body)
         self.assertGreaterEqual(rows["tension"].min(), -1e-5 * machine.weight)
         self.assertLess(abs(rows["phi1"][-1] - rows["phi2"][-1]), math.pi)
+        return rows
 
     def best_of_lattice(self, machine):
         """The largest objective of the lattice's designs that satisfy the same conditions, or -inf without one."""
@@ -86,6 +87,16 @@ class RandomMachines(DirectoryTest):
         clearances = np.minimum.reduce([maps[field] for field in FIELDS[:3]])
         satisfied = (clearances >= 0) & (maps["least-sling-tension"] >= 0) & (np.abs(maps["pin-angle"]) < math.pi)
         return np.max(maps[machine.objective], where=satisfied, initial=-np.inf)
+
+    def test_the_hobby_machine_can_be_built_from_its_beam_and_its_box_hangs(self):
+        with open(os.path.join(JOBS, "hobby.cfg"), encoding="utf-8") as file:
+            self.write("job.cfg", file.read())
+        found = self.optimum()
+        rows = self.assert_can_be_built(Machine("", 1.1, 0.5 * 9.8, "range"), found)
+        self.assertLessEqual(found["r1"] + found["r2"], 2 + 1e-9)
+        self.assertGreaterEqual(rows["hanger_tension"].min(), -1e-5 * 60 * 9.8)
+        self.assertAlmostEqual(rows["yt"][0], -1.1, places=9)
+        self.assertEqual(found["warnings"], [])
 
     def test_the_optimum_can_be_built_and_no_such_design_of_a_lattice_is_better(self):
         for number, machine in enumerate(self.machines):
