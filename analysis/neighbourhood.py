@@ -16,6 +16,7 @@ follow after --.
 """
 
 import os
+import re
 import sys
 import tempfile
 from collections import namedtuple
@@ -24,8 +25,8 @@ from program import Parser, run  # before modules that may be missing
 
 import numpy as np
 
-from archive import AXES, Archive, parse_job
-from job import accurate_job, job_text, without_sections
+from archive import AXES, Archive
+from job import accurate_job, job_text, parse_job, without_sections
 from launch import PROGRAM_HELP, check, find_program, parse_optimum, run_program
 from picture import (OUTPUT_HELP, check_output, labelled, plt, readable_unit, save, set_title,
                      wrapped)
@@ -39,8 +40,9 @@ HEIGHT = 0.1    # of a panel above the optimum, and below it and the worst value
 WORDS = {"no": "optimum", "worst": "best worst case", "expected": "best expected value"}
 COLOURS = ("tab:red", "tab:purple", "tab:brown", "tab:olive", "tab:cyan", "tab:pink")
 
-# A constraint is violated where sign * (field - limit) > 0.
-Constraint = namedtuple("Constraint", "field sign limit")
+# A constraint is violated where sign * (field - limit) > 0; `field` is None if it is on a formula,
+# which is not drawn.
+Constraint = namedtuple("Constraint", "text field sign limit")
 
 # A length of the optimum, its bounds, how much shorter and longer it may be (inf: any length), m,
 # and what ends this: a limit as text, or None for the loss of 1 % of the objective.
@@ -53,10 +55,11 @@ Optimum = namedtuple("Optimum", "job objective value lengths given_constraints b
                      "deviation worst expected")
 
 
-def read_constraint(text):
-    """The Constraint of a text such as "range >= 80"."""
-    field, relation, limit = text.split()
-    return Constraint(field, 1 if relation == "<=" else -1, float(limit))
+def read_constraint(text, fields):
+    """The Constraint of a text such as "range >= 80", where `fields` are those that constraints need."""
+    expression, relation, limit = text.rsplit(" ", 2)
+    return Constraint(text, expression if expression in fields else None, 1 if relation == "<=" else -1,
+                      float(limit))
 
 
 def read_optimum(result):
@@ -67,14 +70,14 @@ def read_optimum(result):
                for name, bounds, losses, limits in zip(
                    AXES, result["bounds"], result["one_percent_loss"], result["one_percent_limit"])}
     return Optimum(job, result["objective"], result["value"], lengths,
-                   [read_constraint(text) for text in result["constraints"]],
-                   [read_constraint(text) for text in result["build_constraints"]],
+                   [read_constraint(text, result["units"]) for text in result["constraints"]],
+                   [read_constraint(text, result["units"]) for text in result["build_constraints"]],
                    float(job["optimum", "deviation"]), result["worst"], result["expected"])
 
 
-def all_constraints(optimum):
-    """The constraints that the search had."""
-    return optimum.given_constraints + optimum.build_constraints
+def field_constraints(optimum):
+    """The constraints on fields that the search had."""
+    return [c for c in optimum.given_constraints + optimum.build_constraints if c.field]
 
 
 def is_free(length):
@@ -115,7 +118,7 @@ def sweep(program, job, directory, name):
 
 def sweep_panels(program, optimum):
     """{name: Archive} with the objective and the constrained fields of each panel's designs."""
-    fields = {optimum.objective, *(constraint.field for constraint in all_constraints(optimum))}
+    fields = {optimum.objective, *(constraint.field for constraint in field_constraints(optimum))}
     job = {**without_sections(accurate_job(optimum.job), "lattice", "output", "optimum"),
            ("solver", "check"): "no", ("output", "fields"): ", ".join(sorted(fields))}
     fixed = {("lattice", name): repr(length.value) for name, length in optimum.lengths.items()}
@@ -198,6 +201,8 @@ def limit_text(limit, archive):
     if "=" not in limit:
         return limit  # no release
     name, relation, value = limit.rsplit(" ", 2)
+    if dataset(name) not in archive.fields and not re.fullmatch(r"r\d( \+ r\d)*", name):
+        return limit  # a formula
     unit = archive.unit(dataset(name)) if dataset(name) in archive.fields else "m"
     return f"{name} {relation} {amount(float(value), unit)}"
 
@@ -246,8 +251,7 @@ def set_heights(panels, optimum, factor):
 
 def title(name, optimum, archive):
     """The title: the job, the optimum and its constraints."""
-    texts = [f"{c.field} {'<=' if c.sign > 0 else '>='} "
-             f"{amount(c.limit, archive.unit(dataset(c.field)))}" for c in optimum.given_constraints]
+    texts = [limit_text(c.text, archive) for c in optimum.given_constraints]
     text = f"{name}: neighbourhood of the {WORDS[optimum.job['optimum', 'robust']]}, " \
            f"{optimum.objective} {amount(optimum.value, archive.unit(dataset(optimum.objective)))}"
     return f"{text}, subject to {', '.join(texts)}" if texts else text
@@ -264,7 +268,7 @@ def draw(name, optimum, archives):
         draw_panel(panel, archives[length], length, optimum)
     set_heights(panels, optimum, factor)
     for panel, length in zip(panels, PANELS):
-        draw_regions(panel, archives[length], length, all_constraints(optimum))
+        draw_regions(panel, archives[length], length, field_constraints(optimum))
     panels[0].set_ylabel(wrapped(labelled(archive.long_name(field), unit), 5))
     entries = {text: handle for panel in panels
                for handle, text in zip(*panel.get_legend_handles_labels())}

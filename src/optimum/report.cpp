@@ -298,6 +298,7 @@ std::string to_json(const OptimumResult& result, const Job& job) {
   json["units"][info(result.objective).name] = info(result.objective).units;
   for (const Constraint& c : constraints_of(job)) json["constraints"].push_back(to_text(c));
   const auto searched = searched_job(job).optimum.constraints;
+  for (const Field field : fields_of(searched)) json["units"][info(field).name] = info(field).units;
   for (std::size_t i = job.optimum.constraints.size(); i < searched.size(); ++i)
     json["build_constraints"].push_back(to_text(searched[i]));
   for (const ActiveLimit& limit : result.active)

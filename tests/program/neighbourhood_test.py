@@ -178,6 +178,14 @@ class Neighbourhoods(ScriptTest):
             self.assertTrue(axes.get_xlabel().endswith(f" {name} (m)"))
         self.assertEqual(figure.axes[0].get_ylabel(), "speed of the projectile at release (m/s)")
 
+    def test_a_constraint_on_a_formula_is_named_but_not_drawn(self):
+        texts = ["r1 + r2 <= 1.3", "peak-axle-load / counterweight-mass <= 40"]
+        formulas = [neighbourhood.read_constraint(text, ["peak-axle-load"]) for text in texts]
+        self.assertEqual([constraint.field for constraint in formulas], [None, None])
+        optimum = self.optimum._replace(given_constraints=formulas)
+        title = self.figure(optimum, self.archives)._suptitle.get_text().replace("\n", " ")
+        self.assertTrue(title.endswith(f", subject to {texts[0]} m, {texts[1]}"), title)
+
     def test_a_fixed_length_is_drawn_around_its_value_and_without_bounds(self):
         optimum = self.find(self.JOB, "--lattice.r2", "0.9", "--optimum.objective", "kinetic-energy",
                             "--output.optimum", "taut")

@@ -16,7 +16,8 @@ import compare
 import heatmap
 import sobol
 import study
-from archive import AXES, Archive, parse_job
+from archive import AXES, Archive
+from job import parse_job
 from archives import h5py, tiles
 from box import cells, largest_full_box
 from picture import plt

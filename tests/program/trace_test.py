@@ -33,8 +33,8 @@ class Trace(CommandTest):
     def test_the_hobby_machine_in_feet_and_pounds_throws_as_far_as_independent_codes_say(self):
         # ra226.net, Trebuchet Construction, with the arm as a uniform beam; 41.1 m with a pin of 42 degrees.
         job = self.write("hobby.cfg", "[scene]\ncounterweight-mass = 60 lb\nprojectile-mass = 1 lb\n"
-                         "fulcrum-height = 2.5 ft\ncounterweight-hanger = 0.7 ft\nstart-tip-height = 0\ntrough = yes\nbeam-mass = 7 lb\n"
-                         "beam-centre = 0.95 ft\nbeam-moment = 15.19 lb ft^2\n[solver]\nrelease = farthest\n")
+                         "fulcrum-height = 2.5 ft\ncounterweight-hanger = 0.7 ft\nstart-tip-height = 0\n"
+                         "trough = yes\nbeam-mass = 7 lb\nbeam-centre = 0.95 ft\nbeam-moment = 15.19 lb ft^2\n[solver]\nrelease = farthest\n")
         trace = ("trace", job, "--r1", "1 ft", "--r2", "2.9 ft", "--r3", "3 ft")
         swing, flight = (table_of(self.run_program(*trace, *options).stdout) for options in ((), ("--flight",)))
         self.assertAlmostEqual(flight["x3"][-1], 41.1, delta=0.05)
