@@ -29,6 +29,7 @@ from trajectory import read_table
 from units import UNITS
 
 PAPERS = {"a4": (11.69, 8.27), "letter": (11, 8.5)}  # inches
+NEEDED = {"job", "one_percent_loss", "pin_angle_loss", "values", "units", "warnings"}  # of an optimum
 # What built machines reached of the range computed without friction and drag.
 BUILT = ("Two built machines reached 80 % (laboratory, arXiv:2502.19442) and 67 % (hobby, ra226.net) of their "
          "computed range without friction and drag. This is no promise.")
@@ -43,7 +44,7 @@ def read_optimum(path, program, ranks):
     if text.lstrip().startswith("{"):
         try:
             optimum = json.loads(text)
-            return optimum if "one_percent_loss" in optimum else fail(f"{path}: is not an optimum")
+            return optimum if NEEDED <= set(optimum) else fail(f"{path}: is not an optimum")
         except ValueError as error:
             fail(f"{path}: is damaged: {error}")
     return parse_optimum(run_program(program, "optimum", path, "--json", ranks=ranks))
@@ -98,7 +99,11 @@ def length_rows(machine, units):
 
 def performance_rows(machine, units):
     """(name, value) of what to expect."""
-    rows = [("range", units.distance(machine.value("range")))]
+    def shown(field, tell):
+        value = machine.value(field)
+        return "none: released below the ground" if value is None else tell(value)
+
+    rows = [("range", shown("range", units.distance))]
     wind = machine.optimum.get("range_with_wind")
     if wind:
         rows += [("range, 5 m/s of wind against / with it",
@@ -107,7 +112,7 @@ def performance_rows(machine, units):
     return rows + [
         ("drag", f"of a ball of {units.small(drag)}" if drag else "none"),
         ("speed at the release", units.speed(machine.value("speed"))),
-        ("speed at the impact", units.speed(machine.value("impact-speed"))),
+        ("speed at the impact", shown("impact-speed", units.speed)),
         ("energy efficiency", f"{100 * machine.value('efficiency'):.0f} %"),
         ("time to the release", f"{machine.optimum['release_time']:.3f} s")]
 

@@ -23,14 +23,6 @@ Expression constant(double number) {
   return {"", "", {}, {}, true, [=](const Operands&) { return number; }};
 }
 
-/// The value of a field among those of the operands.
-double field_value(const Operands& operands, Field field) {
-  const auto found = std::ranges::find(operands.fields, field);
-  return found == operands.fields.end()
-             ? std::numeric_limits<double>::quiet_NaN()
-             : operands.values[static_cast<std::size_t>(found - operands.fields.begin())];
-}
-
 /// Two expressions joined by an operation. A number takes the unit of the other one.
 template <class Operation>
 Expression joined(Expression a, const Expression& b, bool keeps_unit, Operation operation) {
@@ -100,10 +92,17 @@ BOOST_SPIRIT_DEFINE(sum, product, factor)
 
 }  // namespace
 
+double value_of(const Operands& operands, Field field) {
+  const auto found = std::ranges::find(operands.fields, field);
+  return found == operands.fields.end()
+             ? std::numeric_limits<double>::quiet_NaN()
+             : operands.values[static_cast<std::size_t>(found - operands.fields.begin())];
+}
+
 Expression to_expression(Field field) {
   const FieldInfo& known = info(field);
   Expression expression = operand(std::string(known.name), std::string(known.units),
-                                  [=](const Operands& x) { return field_value(x, field); });
+                                  [=](const Operands& x) { return value_of(x, field); });
   expression.fields = {field};
   return expression;
 }

@@ -33,8 +33,8 @@ void Compute::finish(const Scene& scene, ComputedTile& tile) {
     const auto values = batch.slice(n, 1).values;
     for (std::size_t m = 0; m < tile.maps.size(); ++m)
       if (!is_flag(fields_[m]) || !std::isnan(values[m])) tile.maps[m][cell] = values[m];
-    tile.tally.add(swings_[n], in_study, designs_[n],
-                   objective(values.subspan(maps_), study_.job(), scene, designs_[n]));
+    const Operands operands{scene, designs_[n], fields_, values};
+    tile.tally.add(swings_[n], in_study, designs_[n], objective(operands, study_.job()));
   }
   designs_.clear();
   cells_.clear();

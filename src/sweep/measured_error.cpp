@@ -63,7 +63,7 @@ std::vector<Check> check(const Job& job, std::span<const Design<double>> designs
   for (std::size_t i = 0; i < designs.size(); ++i) {
     const auto of_design = batch.slice(i, 1).values;
     checks[i].slack = of_design.back();
-    checks[i].objective = objective(of_design, job, job.scene, designs[i]);
+    checks[i].objective = objective({job.scene, designs[i], deciding, of_design}, job);
   }
   return checks;
 }

@@ -12,16 +12,13 @@ std::vector<Field> deciding_fields(const Job& job) {
   return fields;
 }
 
-double objective(std::span<const double> values, const Job& job, const Scene& scene,
-                 const Design<double>& design) {
-  const auto& constraints = job.optimum.constraints;
-  if (constraints.empty() && job.output.optimum_filter == OptimumFilter::all) return values[0];
-  const std::vector<Field> fields = deciding_fields(job);
-  const Operands operands{scene, design, fields, values.first(fields.size())};
-  bool qualifies = job.output.optimum_filter == OptimumFilter::all || operands.values.back() == 1;
-  for (const Constraint& c : constraints)
+double objective(const Operands& operands, const Job& job) {
+  bool qualifies =
+      job.output.optimum_filter == OptimumFilter::all || value_of(operands, Field::slack) == 1;
+  for (const Constraint& c : job.optimum.constraints)
     qualifies = qualifies && violation(c, c.expression.value(operands)) <= 0;  // false for NaN
-  return qualifies ? values[0] : std::numeric_limits<double>::quiet_NaN();
+  return qualifies ? value_of(operands, job.optimum.objective)
+                   : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace trebsweep

@@ -11,8 +11,10 @@ namespace {
 using Fields = std::vector<Field>;
 using Values = std::vector<double>;
 
+/// The objective of a design whose deciding_fields() have some values.
 double objective_of(const Values& values, const Job& job) {
-  return objective(values, job, job.scene, {0.5, 0.6, 0.9});
+  const Design<double> design{0.5, 0.6, 0.9};
+  return objective({job.scene, design, deciding_fields(job), values}, job);
 }
 
 Constraint at_least(Field field, double limit) { return {to_expression(field), false, limit}; }

@@ -20,6 +20,9 @@ struct Operands {
   std::span<const double> values;  ///< of the fields
 };
 
+/// The value of a field among those of the operands; NaN if it is not one of them.
+double value_of(const Operands& operands, Field field);
+
 /// A formula of fields that are quantities, the lengths r1, r2 and r3, and numeric keys of the
 /// scene, as in "peak-axle-load / counterweight-mass".
 struct Expression {
