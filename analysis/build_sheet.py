@@ -11,9 +11,11 @@ CAD programs, in m or in inches.
   build_sheet.py backyard.json --units us -o sheet.dxf
 """
 
+import functools
 import importlib.util
 import json
 import os
+import re
 import tempfile
 
 from program import Parser, check_new, fail, run  # before modules that may be missing
@@ -28,6 +30,7 @@ from picture import FORMATS, check_output, picture_format, plt, save
 from trajectory import read_table
 from units import UNITS
 
+ROWS = 150  # of a traced swing
 PAPERS = {"a4": (11.69, 8.27), "letter": (11, 8.5)}  # inches
 NEEDED = {"job", "one_percent_loss", "pin_angle_loss", "values", "units", "warnings"}  # of an optimum
 # What built machines reached of the range computed without friction and drag.
@@ -41,6 +44,8 @@ def read_optimum(path, program, ranks):
         fail(f"{path}: no such file")
     with open(path, encoding="utf-8", errors="replace") as file:
         text = file.read()
+    if not text.strip():
+        fail(f"{path}: is empty; did trebsweep optimum find nothing?")
     if text.lstrip().startswith("{"):
         try:
             optimum = json.loads(text)
@@ -58,11 +63,20 @@ def trace(optimum, program):
         with open(files[0], "w", encoding="utf-8") as file:
             file.write(job_text(job))
         lengths = [f"--{name}={optimum[name]!r}" for name in ("r1", "r2", "r3")]
-        done = run_program(program, "trace", files[0], *lengths)
+        done = run_program(program, "trace", files[0], *lengths, f"--interval={optimum['release_time'] / ROWS!r}")
         check(done)
         with open(files[1], "w", encoding="utf-8") as file:
             file.write(done.stdout)
         return read_table(files[1])
+
+
+def limit_text(optimum, text, units):
+    """A limit such as "r1 + r2 <= 2.4384" with the unit of its fields or lengths."""
+    if "=" not in text:
+        return text  # no release
+    name, relation, limit = text.rsplit(" ", 2)
+    is_length = re.fullmatch(r"r\d( \+ r\d)*", name)
+    return f"{name} {relation} {units.quantity(float(limit), 'm' if is_length else optimum['units'].get(name, ''))}"
 
 
 def allowance(off, limits, words, tell):
@@ -75,11 +89,19 @@ def allowance(off, limits, words, tell):
     return " / ".join(shown), "; ".join(notes)
 
 
+def side_text(x, units):
+    """A horizontal distance from the axle."""
+    return f"{units.length(abs(x))} from the axle, {'counterweight' if x > 0 else 'sling'}'s side"
+
+
 def length_rows(machine, units):
     """(name, value, allowance, note) of all lengths and angles."""
     optimum = machine.optimum
-    loss, limits = optimum["one_percent_loss"], optimum["one_percent_limit"]
-    rows = [(f"{words} {name}", units.length(optimum[name]), *allowance(loss[i], limits[i], ("shorter", "longer"), units.small))
+    loss = optimum["one_percent_loss"]
+    limits, pin_limits = ([[limit and limit_text(optimum, limit, units) for limit in pair] for pair in pairs]
+                          for pairs in (optimum["one_percent_limit"], [optimum["pin_angle_limit"] or (None, None)]))
+    rows = [(f"{words} {name}", units.length(optimum[name]),
+             *allowance(loss[i], limits[i], ("shorter", "longer"), units.small))
             for words, name, i in (("counterweight arm", "r1", 0), ("throwing arm", "r2", 2), ("sling", "r3", 1))]
     rows.append(("whole beam r1 + r2", units.length(machine.r1 + machine.r2), "", ""))
     if machine.r4:
@@ -87,12 +109,14 @@ def length_rows(machine, units):
     rows.append(("axle above the ground", units.length(machine.h0), "", ""))
     if machine.has_trough:
         rows.append(("trough above the ground", units.length(machine.number("trough-height")), "", ""))
+        rows += [(f"projectile {when}", side_text(x, units), "", "")
+                 for when, x in zip(("at the start", "leaves the trough"), machine.trough())]
     tip = machine.points(0)[2]
     rows.append(("arm's tip at the start, above the ground", units.length(max(tip[1] + machine.h0, 0)), "", ""))
     rows.append(("counterweight arm at the start, from upright", units.angle(machine.swing.rows["phi1"][0]), "", ""))
-    pin, pin_limits = optimum["pin_angle_loss"], optimum["pin_angle_limit"]
+    pin = optimum["pin_angle_loss"]
     rows.append(("pin, from the arm's line", units.angle(machine.value("pin-angle")),
-                 *(allowance(pin, pin_limits, ("less", "more"), units.degrees) if pin
+                 *(allowance(pin, pin_limits[0], ("less", "more"), units.degrees) if pin
                    else ("", "no pin makes this release"))))
     return rows
 
@@ -106,8 +130,14 @@ def performance_rows(machine, units):
     rows = [("range", shown("range", units.distance))]
     wind = machine.optimum.get("range_with_wind")
     if wind:
-        rows += [("range, 5 m/s of wind against / with it",
+        rows += [(f"range, {units.speed(5)} of wind against / with it",
                   f"{units.distance(wind['against'])} / {units.distance(wind['with'])}")]
+    worst, expected = machine.optimum["worst"], machine.optimum["expected"]
+    if worst is not None:
+        unit = objective_unit(machine.optimum)
+        tell = units.distance if unit == "m" else functools.partial(units.quantity, unit=unit)
+        rows.append((f"{machine.optimum['objective']}, lengths off by up to {units.small(machine.deviation)}",
+                     f"at least {tell(worst)}, mean {tell(expected)}"))
     drag = machine.number("projectile-diameter")
     return rows + [
         ("drag", f"of a ball of {units.small(drag)}" if drag else "none"),
@@ -126,8 +156,8 @@ def load_rows(machine, units):
         ("hanger, largest tension", "peak-hanger-tension", units.force),
         ("hanger, smallest tension", "least-hanger-tension", units.force),
         ("beam, bending stress at the axle", "peak-beam-stress", units.stress),
-        ("clearance of the counterweight", "counterweight-clearance", units.length),
-        ("clearance of the projectile", "projectile-clearance", units.length))
+        ("counterweight's centre, least height", "counterweight-clearance", units.length),
+        ("projectile's centre, least height", "projectile-clearance", units.length))
             if machine.value(field) is not None]
     mass, section = machine.beam()
     rows += [("counterweight", units.mass(machine.number("counterweight-mass"))),
@@ -139,13 +169,20 @@ def load_rows(machine, units):
     return rows
 
 
+def objective_unit(optimum):
+    """The unit of the objective."""
+    return optimum["units"][optimum["objective"]]
+
+
 def provenance(machine, name):
     """Where the numbers come from."""
     optimum = machine.optimum
-    limits = ", ".join(limit["constraint"] for limit in optimum["active"]) or "none"
-    unit = optimum["units"][optimum["objective"]].replace(" s-1", "/s")
-    return [f"{name}: largest {optimum['objective']}; limits reached: {limits}. {optimum['version']}; error of the "
-            f"{optimum['objective']} {optimum['error']:.0e} {unit}.", BUILT]
+    lines = [f"{name}: largest {optimum['objective']}, to a relative error of "
+             f"{optimum['error'] / abs(optimum['value']):.0e}. {optimum['version']}.", BUILT]
+    if any(limit for pair in optimum["one_percent_limit"] for limit in pair) and not machine.deviation:
+        lines.append("Where a limit is reached, there is no room to one side: optimum.deviation with "
+                     "optimum.robust = worst leaves it.")
+    return lines
 
 
 def texts(machine, units):

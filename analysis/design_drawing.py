@@ -23,6 +23,7 @@ class Machine:
         self.r1, self.r2, self.r3 = (optimum[name] for name in ("r1", "r2", "r3"))
         self.r4, self.h0 = self.number("counterweight-hanger"), self.number("fulcrum-height")
         self.has_trough = self.scene.get("trough") == "yes"
+        self.deviation = float(parse_job(optimum["job"])["optimum", "deviation"])
 
     def number(self, key, default=0.0):
         """A number of the scene."""
@@ -38,6 +39,11 @@ class Machine:
         hinge = "h" if "xh" in rows else "1"
         return [np.array([rows[f"x{body}"][row], rows[f"y{body}"][row]])
                 for body in (hinge, "1", "t", "3")]
+
+    def trough(self):
+        """Where the projectile starts in the trough, and leaves it, m from below the axle."""
+        at_start, lifted = self.points(0)[3], lift_off(self.swing)
+        return at_start[0], lifted[1] if lifted else at_start[0] - self.r3
 
     def path(self, body):
         """The path of a body, m."""
@@ -72,9 +78,7 @@ def surroundings(machine, low, high):
         shapes.append(Line("frame", [(0, 0), (foot * machine.h0, ground)]))
     if machine.has_trough:
         height = ground + machine.number("trough-height")
-        at_start, lifted = machine.points(0)[3], lift_off(machine.swing)
-        end = lifted[1] if lifted else at_start[0] - machine.r3
-        shapes.append(Line("trough", [(at_start[0], height), (end, height)]))
+        shapes.append(Line("trough", [(x, height) for x in machine.trough()]))
     return shapes
 
 

@@ -17,6 +17,7 @@ Dimension = namedtuple("Dimension", "first last offset text")
 Angle = namedtuple("Angle", "corner first last radius text")
 Label = namedtuple("Label", "point text")
 
+BEHIND = ("ground", "frame", "trough")
 # Layers, with their colours in pictures and in DXF (of AutoCAD's index), and widths in points.
 LAYERS = {"ground": ("saddlebrown", 34, 1.6), "frame": ("0.75", 9, 3), "trough": ("burlywood", 42, 3),
           "beam": ("black", 7, 3.5), "hanger": ("0.35", 8, 2), "counterweight": ("0.35", 8, 1),
@@ -97,7 +98,7 @@ def draw_body(axes, shape):
                    shape.centre[1] + shape.radius * np.sin(turned)])
         axes.fill(*points, color=colour, alpha=0.35, linewidth=0)
     axes.plot(*points, color=colour, linewidth=width, solid_capstyle="butt",
-              linestyle="--" if shape.layer == "paths" else "-")
+              linestyle="--" if shape.layer == "paths" else "-", zorder=1.5 if shape.layer in BEHIND else 2)
 
 
 def draw_dimension(axes, dimension):

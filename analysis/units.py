@@ -6,7 +6,9 @@ INCH, POUND, POUND_FORCE = 0.0254, 0.45359237, 4.4482216152605  # m, kg, N: exac
 
 
 def feet_and_inches(metres):
-    """A length in feet and inches, to the nearest sixteenth."""
+    """A length in feet and inches, to the nearest sixteenth; a short one in decimals of an inch."""
+    if metres < 3 * INCH:
+        return f"{metres / INCH:.2f} in"
     feet, sixteenths = divmod(round(metres / INCH * 16), 12 * 16)
     inches, sixteenths = divmod(sixteenths, 16)
     shift = (sixteenths & -sixteenths) or 16
@@ -41,6 +43,12 @@ class Units:
 
     def __init__(self, **functions):
         self.__dict__.update(functions)
+
+    def quantity(self, number, unit):
+        """A number with a unit of the SI as text, in that of the sheet if it has one for it."""
+        tell = {"m": self.length, "N": self.force, "Pa": self.stress, "m s-1": self.speed, "kg": self.mass,
+                "rad": self.degrees}.get(unit)
+        return tell(number) if tell else f"{number:.6g} {unit if unit != '1' else ''}".rstrip()
 
 
 UNITS = {

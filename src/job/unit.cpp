@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <boost/math/constants/constants.hpp>
+#include <cmath>
 #include <vector>
 
 namespace trebsweep {
@@ -96,6 +97,13 @@ Unit product(Unit a, const Unit& b, int exponent) {
   return a;
 }
 
+/// The decimal number of 15 digits from which a product differs by rounding only, or the product:
+/// 1.5 in are 0.0381 m.
+double without_rounding(double product) {
+  const double decimal = rounded_sum(0, 1, product);
+  return std::abs(decimal - product) < 2.2e-16 * std::abs(product) ? decimal : product;
+}
+
 /// What follows the number in a text, if it starts like a unit.
 std::string_view unit_of(std::string_view text) {
   double number = 0;
@@ -141,7 +149,7 @@ std::optional<double> to_si(std::string_view text, std::string_view unit) {
   if (text.empty()) return number;
   const auto own = to_unit(text);
   if (!own || own->dimension != dimension_of(unit)) return std::nullopt;
-  return number * own->factor;
+  return without_rounding(number * own->factor);
 }
 
 std::string allowed_units(std::string_view text, std::string_view unit) {

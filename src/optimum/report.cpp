@@ -61,12 +61,19 @@ std::string pin_allowance_text(const OptimumResult& result) {
 /// A text, or null if it is empty.
 Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
+/// Whether the job gives all lengths.
+bool is_given(const Job& job) {
+  const DesignSpace space = design_space(job.scene, job.lattice);
+  return space.lower == space.upper;
+}
+
 /// What each limit is worth.
 std::string limits_text(const OptimumResult& result, const Job& job) {
   if (result.unsafe) return "limits     unknown: the optimum is not a stationary point\n";
   if (!result.converged)
     return "limits     unknown: the objective or a constraint has a kink or a jump there,\n"
            "           or designs next to it have no release\n";
+  if (is_given(job)) return "limits     not searched: all lengths are given\n";
   if (result.active.empty()) return "limits     none is active\n";
   const char* const of = job.optimum.robust == Robust::worst      ? " (of the worst value)"
                          : job.optimum.robust == Robust::expected ? " (of the expected value)"

@@ -81,6 +81,7 @@ TEST_CASE("A number may have a unit, with or without a space, and is SI without 
   CHECK(in_metres("3.5 ft") == 3.5 * 0.3048);
   CHECK(in_metres("3.5ft") == in_metres(" +3.5  ft "));
   CHECK(in_metres("1e2 cm") == 1);
+  CHECK(in_metres("1.5 in") == 0.0381);  // 1.5 * 0.0254 is not quite that
   CHECK(in_metres("2") == 2);
   CHECK(to_number("pin", "180 deg", positive, "rad") == 3.141592653589793);
   CHECK(to_number("pin", "45deg", positive, "rad") == 3.141592653589793 / 4);

@@ -78,8 +78,8 @@ class BuildSheets(ScriptTest):
             for units, factor in (("si", 1), ("us", 1 / INCH)):
                 with self.subTest(machine=name, units=units):
                     self.write(f"{name}.json", json.dumps(machine.optimum))
-                    self.run_script("build_sheet.py", f"{name}.json", "--units", units, "-o", "sheet.dxf", "--overwrite",
-                                    "--program", PROGRAM)
+                    self.run_script("build_sheet.py", f"{name}.json", "--units", units, "-o", "sheet.dxf",
+                                    "--overwrite", "--program", PROGRAM)
                     document = ezdxf.readfile(self.path("sheet.dxf"))
                     self.assertEqual(document.audit().errors, [])
                     found = {entity.dxf.text.split()[0]: entity.get_measurement()
@@ -120,10 +120,22 @@ class BuildSheets(ScriptTest):
         self.run_script("build_sheet.py", "none.json", code=1, says="none.json: no such file")
         self.write("bad.json", "{\"speed\": 1}")
         self.run_script("build_sheet.py", "bad.json", code=1, says="bad.json: is not an optimum")
+        self.write("empty.json", "")
+        self.run_script("build_sheet.py", "empty.json", code=1, says="empty.json: is empty; did trebsweep")
+
+    def test_limits_are_in_the_units_of_the_sheet(self):
+        optimum = {"units": {"peak-axle-load": "N", "efficiency": "1", "speed": "m s-1"}}
+        for text, si, us in (("r1 + r2 <= 2.4384", "r1 + r2 <= 2.438 m", "r1 + r2 <= 8 ft 0 in"),
+                             ("r2 >= 0.0254", "r2 >= 0.025 m", "r2 >= 1.00 in"),
+                             ("peak-axle-load <= 2668.93297", "peak-axle-load <= 2669 N", "peak-axle-load <= 600 lbf"),
+                             ("efficiency >= 0.7", "efficiency >= 0.7", "efficiency >= 0.7"),
+                             ("speed >= 44.704", "speed >= 44.7 m/s", "speed >= 100.0 mph"),
+                             ("r1 / r2 <= 0.25", "r1 / r2 <= 0.25", "r1 / r2 <= 0.25"), ("no release",) * 3):
+            self.assertEqual([build_sheet.limit_text(optimum, text, UNITS[name]) for name in ("si", "us")], [si, us])
 
     def test_feet_and_inches_are_exact_to_a_sixteenth(self):
-        for metres, text in ((0.3048, "1 ft 0 in"), (INCH / 2, "0 1/2 in"), (5 * INCH + INCH * 3 / 8, "5 3/8 in"),
-                             (0.88392, "2 ft 10 13/16 in"), (12 * INCH - INCH / 64, "1 ft 0 in"), (0, "0 in")):
+        for metres, text in ((0.3048, "1 ft 0 in"), (INCH / 2, "0.50 in"), (5 * INCH + INCH * 3 / 8, "5 3/8 in"),
+                             (0.88392, "2 ft 10 13/16 in"), (12 * INCH - INCH / 64, "1 ft 0 in"), (0, "0.00 in")):
             self.assertEqual(feet_and_inches(metres), text)
 
     def test_the_panels_do_not_overlap(self):
