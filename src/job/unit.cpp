@@ -111,6 +111,15 @@ std::string_view unit_of(std::string_view text) {
   return has_unit ? text : "";
 }
 
+/// The inches in the unit's text of a length such as 4 "ft 3 in"; nothing if it is not one.
+std::optional<double> inches_of(std::string_view text) {
+  double inches = 0;
+  if (!text.starts_with("ft ")) return std::nullopt;
+  text.remove_prefix(3);
+  const bool is_length = take_number(text, inches) && text == "in" && inches >= 0 && inches < 12;
+  return is_length ? std::optional(inches) : std::nullopt;
+}
+
 /// The dimension of a unit's text; none of an empty one.
 std::optional<std::array<int, 4>> dimension_of(std::string_view unit) {
   if (unit.empty() || unit == "1") return none;
@@ -147,6 +156,11 @@ std::optional<double> to_si(std::string_view text, std::string_view unit) {
   double number = 0;
   if (!take_number(text, number)) return std::nullopt;
   if (text.empty()) return number;
+  const auto inches = number >= 0 ? inches_of(text) : std::nullopt;
+  if (inches) {
+    number = 12 * number + *inches;
+    text = "in";
+  }
   const auto own = to_unit(text);
   if (!own || own->dimension != dimension_of(unit)) return std::nullopt;
   return without_rounding(number * own->factor);

@@ -198,11 +198,15 @@ std::string sensitivities_text(const OptimumResult& result) {
   for (const auto& [name, sensitivity] : result.sensitivities) {
     const Key& key = *std::ranges::find(job_keys(), "scene." + name, &Key::name);
     const auto& [value, at_design, of_optimum] = sensitivity;
-    const double change = value == 0 ? 1 : 0.01 * std::abs(value);
+    const double step = value == 0 ? 1 : 0.01 * std::abs(value);
+    const auto change = [&](double derivative) {
+      const double by = step * derivative;
+      return std::abs(by) < 1e-10 * std::abs(result.value) ? 0 : by;  // rounding errors
+    };
     const std::string label =
         value == 0 ? fmt::format("{} per {}", name, key.unit) : fmt::format("{} + 1 %", name);
-    text += fmt::format("{:34}{:>+18.6g}", label, change * at_design);
-    text += both ? fmt::format("{:>+18.6g}\n", change * of_optimum) : "\n";
+    text += fmt::format("{:34}{:>+18.6g}", label, change(at_design));
+    text += both ? fmt::format("{:>+18.6g}\n", change(of_optimum)) : "\n";
   }
   return text;
 }

@@ -80,6 +80,11 @@ TEST_CASE("Units have the dimensions and factors of UDUNITS-2") {
 TEST_CASE("A number may have a unit, with or without a space, and is SI without one") {
   CHECK(in_metres("3.5 ft") == 3.5 * 0.3048);
   CHECK(in_metres("3.5ft") == in_metres(" +3.5  ft "));
+  CHECK(in_metres("4 ft 3 in") == in_metres("4.25 ft"));
+  CHECK(in_metres("4ft 3.5in") == 51.5 * 0.0254);
+  for (const char* text :
+       {"4 ft 12 in", "4 ft -3 in", "-4 ft 3 in", "4 ft 3", "4 ft 3 in 2 in", "4 in 3 ft"})
+    CHECK_THROWS_AS(in_metres(text), InputError);
   CHECK(in_metres("1e2 cm") == 1);
   CHECK(in_metres("1.5 in") == 0.0381);  // 1.5 * 0.0254 is not quite that
   CHECK(in_metres("2") == 2);

@@ -31,9 +31,9 @@ std::string unit_names();
 /// the next factor only; nothing if it is not a product of powers of named_units().
 std::optional<Unit> to_unit(std::string_view text);
 
-/// A text that starts with a number, converted to a unit of the SI: "3.5 ft" is 1.0668 in m.
-/// Without a unit of its own, it is in that one. Nothing if it has another dimension or is no
-/// number.
+/// A text that starts with a number, converted to a unit of the SI: "3.5 ft" is 1.0668 in m, and so
+/// is "3 ft 6 in". Without a unit of its own, it is in that one. Nothing if it has another
+/// dimension or is no number.
 std::optional<double> to_si(std::string_view text, std::string_view unit);
 
 /// The value of a key in its unit, from a number with or without a unit. Throws InputError if the
