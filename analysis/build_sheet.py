@@ -15,7 +15,6 @@ import functools
 import importlib.util
 import json
 import os
-import re
 import tempfile
 
 from program import Parser, check_new, fail, run  # before modules that may be missing
@@ -75,8 +74,8 @@ def limit_text(optimum, text, units):
     if "=" not in text:
         return text  # no release
     name, relation, limit = text.rsplit(" ", 2)
-    is_length = re.fullmatch(r"r\d( \+ r\d)*", name)
-    return f"{name} {relation} {units.quantity(float(limit), 'm' if is_length else optimum['units'].get(name, ''))}"
+    unit = optimum["constraint_units"].get(name, "m")  # a bound of the lattice is not among them
+    return f"{name} {relation} {units.quantity(float(limit), unit)}"
 
 
 def allowance(off, limits, words, tell):
@@ -130,8 +129,8 @@ def performance_rows(machine, units):
     rows = [("range", shown("range", units.distance))]
     wind = machine.optimum.get("range_with_wind")
     if wind:
-        rows += [(f"range, {units.speed(5)} of wind against / with it",
-                  f"{units.distance(wind['against'])} / {units.distance(wind['with'])}")]
+        rows += [(f"range, {units.speed(5)} less / more wind",
+                  f"{units.distance(wind['less'])} / {units.distance(wind['more'])}")]
     worst, expected = machine.optimum["worst"], machine.optimum["expected"]
     if worst is not None:
         unit = objective_unit(machine.optimum)

@@ -87,9 +87,10 @@ def start_dimensions(machine, unit, units):
     hinge, counterweight, tip, projectile = machine.points(0)
     axle, foot = np.zeros(2), np.array([0, -machine.h0])
     offset = 6 * unit
+    stretched = ", here stretched" if machine.number("sling-stiffness") else ""
     shapes = [Dimension(axle, hinge, offset, f"r1 {units.length(machine.r1)}"),
               Dimension(tip, axle, offset, f"r2 {units.length(machine.r2)}"),
-              Dimension(tip, projectile, -offset, f"r3 {units.length(machine.r3)}"),
+              Dimension(tip, projectile, -offset, f"r3 {units.length(machine.r3)}{stretched}"),
               Dimension(foot, axle, 0, f"axle {units.length(machine.h0)}")]
     if machine.r4:
         shapes.append(Dimension(counterweight, hinge, -offset, f"r4 {units.length(machine.r4)}"))
@@ -97,18 +98,18 @@ def start_dimensions(machine, unit, units):
     if above > 2 * unit:
         shapes.append(Dimension((tip[0], -machine.h0), tip, 2 * offset, f"tip {units.length(above)}"))
     phi1 = machine.swing.rows["phi1"][0]
-    shapes.append(Angle(axle, np.pi / 2 - phi1, np.pi / 2, min(machine.r1, machine.r2) * 0.6,
+    shapes.append(Angle(axle, *sorted((np.pi / 2 - phi1, np.pi / 2)), min(machine.r1, machine.r2) * 0.6,
                         units.degrees(phi1)))
     return shapes
 
 
 def release_dimensions(machine, units):
-    """The angles at the release: that of the pin, and phi1."""
+    """The angle of the pin: from the arm's continuation to the sling."""
     _, _, tip, projectile = machine.points(-1)
-    arm, sling = np.arctan2(*tip[::-1]), np.arctan2(*(projectile - tip)[::-1])
-    pin = machine.value("pin-angle")
-    first, last = (sling, sling + pin) if pin > 0 else (arm, arm - pin)
-    return [Angle(tip, first, last, 0.45 * min(machine.r3, machine.r2), f"pin {units.degrees(pin)}")]
+    arm = np.arctan2(tip[1], tip[0])
+    pin = machine.value("pin-angle")  # counterclockwise: phi1 and phi2 are clockwise
+    return [Angle(tip, *sorted((arm, arm + pin)), 0.45 * min(machine.r3, machine.r2),
+                  f"pin {units.degrees(pin)}")]
 
 
 def panels(machine, units):

@@ -35,10 +35,15 @@ def run_program(program, *arguments, ranks=None):
         fail(f"{command[0]}: cannot be started: {error.strerror}")
 
 
+def words_of(done):
+    """The words of a command that has ended, without mpirun."""
+    return done.args[3:] if done.args[0] == "mpirun" else done.args
+
+
 def check(done):
     """Ends the script with the message of a command that failed, and exit code 1 or 2 as it."""
     if done.returncode != 0:
-        program, command = done.args[:2]
+        program, command = words_of(done)[:2]
         note(done.stderr or f"{program}: {command} failed with exit code {done.returncode}")
         sys.exit(2 if done.returncode == 2 else 1)
 
@@ -49,4 +54,4 @@ def parse_optimum(done):
     try:
         return json.loads(done.stdout)
     except ValueError as error:
-        fail(f"{done.args[0]}: printed no optimum: {error}")
+        fail(f"{words_of(done)[0]}: printed no optimum: {error}")

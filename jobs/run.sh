@@ -56,7 +56,6 @@ $python analysis/heatmap.py "$archive" -o "results/$name.png"
 design=$($python analysis/optimum.py "$archive" --continuous --job "results/$name-optimum.cfg" --overwrite)
 if [[ -n $design ]]; then
   mpirun -n "$ranks" $program optimum "results/$name-optimum.cfg" | tee "results/$name-optimum.txt"
-  $python analysis/build_sheet.py "results/$name-optimum.cfg" -n "$ranks" -o "results/$name-sheet.pdf"
   # shellcheck disable=SC2086  # three options with their values
   $program trace "results/$name-optimum.cfg" $design >"results/$name-swing.txt"
   # shellcheck disable=SC2086
@@ -64,5 +63,6 @@ if [[ -n $design ]]; then
   $python analysis/trajectory.py "results/$name-swing.txt" --flight "results/$name-flight.txt" \
     -o "results/$name-swing.png"
   $python analysis/neighbourhood.py "results/$name-optimum.cfg" -o "results/$name-neighbourhood.png"
+  $python analysis/build_sheet.py "results/$name-optimum.cfg" -n "$ranks" -o "results/$name-sheet.pdf"
 fi
 echo "$explorer"

@@ -59,6 +59,19 @@ x3::symbols<Expression> operand_names() {
 /// Sets the attribute of a rule, or joins it with another one.
 const auto set = [](auto& context) { x3::_val(context) = x3::_attr(context); };
 const auto set_number = [](auto& context) { x3::_val(context) = constant(x3::_attr(context)); };
+
+/// Numbers without "nan" and "inf".
+struct FinitePolicies : x3::real_policies<double> {
+  template <class Iterator, class Attribute>
+  static bool parse_nan(Iterator&, const Iterator&, Attribute&) {
+    return false;
+  }
+  template <class Iterator, class Attribute>
+  static bool parse_inf(Iterator&, const Iterator&, Attribute&) {
+    return false;
+  }
+};
+const x3::real_parser<double, FinitePolicies> finite_number;
 const auto add = [](auto& context) {
   x3::_val(context) = joined(x3::_val(context), x3::_attr(context), true, std::plus{});
 };
@@ -69,7 +82,9 @@ const auto multiply = [](auto& context) {
   x3::_val(context) = joined(x3::_val(context), x3::_attr(context), false, std::multiplies{});
 };
 const auto divide = [](auto& context) {
+  const bool is_reciprocal = x3::_val(context).is_constant;
   x3::_val(context) = joined(x3::_val(context), x3::_attr(context), false, std::divides{});
+  if (is_reciprocal) x3::_val(context).unit = "";
 };
 const auto negate = [](auto& context) {
   x3::_val(context) = joined(constant(0), x3::_attr(context), true, std::minus{});
@@ -87,7 +102,7 @@ const auto sum_def = product[set] >> *(('+' >> product[add]) | ('-' >> product[s
 const auto product_def = factor[set] >> *(('*' >> factor[multiply]) | ('/' >> factor[divide]));
 const auto factor_def = (x3::lit("abs") >> '(' >> sum[set_magnitude] >> ')') |
                         ('(' >> sum[set] >> ')') | ('-' >> factor[negate]) | operand_names()[set] |
-                        x3::double_[set_number];
+                        finite_number[set_number];
 BOOST_SPIRIT_DEFINE(sum, product, factor)
 
 }  // namespace
@@ -108,6 +123,8 @@ Expression to_expression(Field field) {
 }
 
 std::optional<Expression> to_expression(std::string_view text) {
+  constexpr std::size_t longest = 1000;  // nested parentheses are parsed by recursion
+  if (text.size() > longest) return std::nullopt;
   Expression expression;
   auto begin = text.begin();
   if (!x3::phrase_parse(begin, text.end(), sum, x3::space, expression) || begin != text.end() ||

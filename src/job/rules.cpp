@@ -129,6 +129,7 @@ void check_fields(const Job& job, const Scene& scene) {
       refuse(key, value, fmt::format("{} {}", allowed, why));
   };
   const auto name = [](Field field) { return std::string(info(field).name); };
+  const std::map<std::string, std::string> unused = unused_keys(job);
   for (const Field field : job.output.fields)
     check(field, "output.fields", name(field), "left out");
   const Field objective = job.optimum.objective;
@@ -137,10 +138,14 @@ void check_fields(const Job& job, const Scene& scene) {
     const auto& [text, unit, fields, keys, is_constant, value] = constraint.expression;
     for (const Field field : fields)
       check(field, "optimum.subject-to", to_text(constraint), "left out");
-    for (const std::string& key : keys)
+    for (const std::string& key : keys) {
+      if (const auto why = unused.find(key); why != unused.end())
+        refuse("optimum.subject-to", to_text(constraint),
+               fmt::format("without {}, which must be {}", key, why->second));
       if (std::isnan(std::ranges::find(job_keys(), key, &Key::name)->number(scene)))
         refuse("optimum.subject-to", to_text(constraint),
                fmt::format("left out unless {} is given", key));
+    }
   }
 }
 

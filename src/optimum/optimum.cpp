@@ -225,7 +225,8 @@ std::optional<WindRange> range_with_wind(const DesignProblem& problem,
     scene.wind += wind;
     return value(Field::range, scene, pinned);
   };
-  return WindRange{range_in(-WindRange::speed), range_in(WindRange::speed)};
+  const WindRange range{range_in(-WindRange::speed), range_in(WindRange::speed)};
+  return std::isfinite(range.less + range.more) ? std::optional(range) : std::nullopt;
 }
 
 }  // namespace

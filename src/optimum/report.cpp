@@ -143,8 +143,8 @@ std::string build_text(const OptimumResult& result) {
     if (!parts.empty()) text += fmt::format("{:10} {}\n", label, fmt::join(parts, ", "));
   }
   if (const auto& wind = result.range_with_wind)
-    text += fmt::format("wind       range {:.6g} m against {} m/s, {:.6g} m with it\n",
-                        wind->against, WindRange::speed, wind->with);
+    text += fmt::format("wind       range {:.6g} m with {} m/s less wind, {:.6g} m with more\n",
+                        wind->less, WindRange::speed, wind->more);
   return text;
 }
 
@@ -198,15 +198,11 @@ std::string sensitivities_text(const OptimumResult& result) {
   for (const auto& [name, sensitivity] : result.sensitivities) {
     const Key& key = *std::ranges::find(job_keys(), "scene." + name, &Key::name);
     const auto& [value, at_design, of_optimum] = sensitivity;
-    const double step = value == 0 ? 1 : 0.01 * std::abs(value);
-    const auto change = [&](double derivative) {
-      const double by = step * derivative;
-      return std::abs(by) < 1e-10 * std::abs(result.value) ? 0 : by;  // rounding errors
-    };
+    const double change = value == 0 ? 1 : 0.01 * std::abs(value);
     const std::string label =
         value == 0 ? fmt::format("{} per {}", name, key.unit) : fmt::format("{} + 1 %", name);
-    text += fmt::format("{:34}{:>+18.6g}", label, change(at_design));
-    text += both ? fmt::format("{:>+18.6g}\n", change(of_optimum)) : "\n";
+    text += fmt::format("{:34}{:>+18.6g}", label, change * at_design);
+    text += both ? fmt::format("{:>+18.6g}\n", change * of_optimum) : "\n";
   }
   return text;
 }
@@ -293,6 +289,7 @@ std::string to_json(const OptimumResult& result, const Job& job) {
             {"designs", result.designs},
             {"seconds", result.seconds},
             {"units", Json::object()},
+            {"constraint_units", Json::object()},
             {"version", version_text()},
             {"job", to_text(job)}};
   if (const auto& unsafe = result.unsafe)
@@ -310,6 +307,8 @@ std::string to_json(const OptimumResult& result, const Job& job) {
   for (const Constraint& c : constraints_of(job)) json["constraints"].push_back(to_text(c));
   const auto searched = searched_job(job).optimum.constraints;
   for (const Field field : fields_of(searched)) json["units"][info(field).name] = info(field).units;
+  for (const Constraint& c : searched)
+    json["constraint_units"][c.expression.text] = c.expression.unit;
   for (std::size_t i = job.optimum.constraints.size(); i < searched.size(); ++i)
     json["build_constraints"].push_back(to_text(searched[i]));
   for (const ActiveLimit& limit : result.active)
@@ -324,7 +323,7 @@ std::string to_json(const OptimumResult& result, const Job& job) {
     json["pin_angle_limit"] = {text_or_null(pin->less_limit), text_or_null(pin->more_limit)};
   }
   if (const auto& wind = result.range_with_wind)
-    json["range_with_wind"] = {{"against", wind->against}, {"with", wind->with}};
+    json["range_with_wind"] = {{"less", wind->less}, {"more", wind->more}};
   for (const auto& [key, sensitivity] : result.sensitivities) {
     json["sensitivity"][key] = sensitivity.at_design;
     json["sensitivity_of_optimum"][key] = sensitivity.of_optimum;

@@ -75,6 +75,10 @@ TEST_CASE("A constraint may be on a formula, whose limit may have its unit") {
   CHECK_THROWS_WITH(to_constraint(key, "r1 / r2 <= 3 m"), contains("finite, without a unit"));
   CHECK_THROWS_WITH(parse("[optimum]\nsubject-to = beam-mass <= 3\n"),
                     contains("beam-mass <= 3: must be left out unless scene.beam-mass is given"));
+  CHECK_THROWS_WITH(
+      parse("[scene]\nstart-angle = 1\n[optimum]\nsubject-to = release-height >= 1\n"),
+      contains("release-height >= 1: must be without scene.release-height, which must be left out "
+               "with scene.start-angle"));
 }
 
 TEST_CASE("Flags and properties of the integration are not quantities") {

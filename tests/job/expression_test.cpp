@@ -67,14 +67,28 @@ TEST_CASE("The unit is that of all operands of a sum, or of the only one of a pr
   CHECK(unit("abs(range - r1)") == "m");
   CHECK(unit("-peak-axle-load") == "N");
   CHECK(unit("r1 / r2").empty());
+  CHECK(unit("1 / r1").empty());
+  CHECK(unit("r1 / 2") == "m");
   CHECK(unit("range - 0.01*peak-beam-stress").empty());
   CHECK(unit("r1 + r2 * r3").empty());
 }
 
 TEST_CASE("A text that is no formula of known operands is no expression") {
   for (const char* text :
-       {"",       " ",           "3",       "1 + 2",   "abs(3)", "range +", "(range",
-        "range)", "range range", "2 range", "mass",    "status", "steps",   "speed-error",
-        "Range",  "range ^ 2",   "range <", "sin(r1)", "r4",     "nan"})
+       {"",       " ",           "3",           "1 + 2",      "abs(3)",  "range +",
+        "(range", "range)",      "range range", "2 range",    "mass",    "status",
+        "steps",  "speed-error", "Range",       "range ^ 2",  "range <", "sin(r1)",
+        "r4",     "nan",         "range + nan", "range * inf"})
     CHECK_FALSE(to_expression(text));
+}
+
+TEST_CASE("A text that is too long is no expression, however deep its parentheses") {
+  for (const std::string text : {"(", "-", "r1+"})
+    for (const std::size_t count : {300, 100'000}) {
+      std::string formula;
+      for (std::size_t i = 0; i < count; ++i) formula += text;
+      formula += "r1";
+      if (text == "(") formula += std::string(count, ')');
+      CHECK(to_expression(formula).has_value() == (count == 300));
+    }
 }

@@ -161,6 +161,8 @@ TEST_CASE("Ranges and lists have a unit for each number, or for none") {
   CHECK(job.assess.time_steps == std::vector{0.01, 0.001});
   CHECK(parse("[assess]\ntime-steps = 0.1 0.01, 0.001\n").assess.time_steps.size() == 3);
   CHECK(parse("[assess]\ntime-steps = 3 ms\n").assess.time_steps == std::vector{0.003});
+  CHECK_THROWS_WITH(parse("[assess]\ntime-steps = 1, 2 ms\n"),
+                    contains("numbers of which each has a unit, or none has"));
 }
 
 TEST_CASE("The limit of a constraint may have a unit of its field's dimension") {

@@ -67,7 +67,7 @@ TEST_CASE("The JSON object has the documented keys, and the values of the result
   CHECK(json["one_percent_loss"][1][1].is_null());  // infinite
   CHECK(json["pin_angle_loss"].dump() == "[0.0317,null]");
   CHECK(json["pin_angle_limit"].dump() == "[null,null]");
-  CHECK(json["range_with_wind"]["with"] == 27.125);
+  CHECK(json["range_with_wind"]["more"] == 27.125);
   CHECK(json["units"]["pin-angle"] == "rad");
   result.robustness = Robustness{25.5, 26.25, {}};
   const auto robust = nlohmann::json::parse(to_json(result, Job{}));
@@ -86,7 +86,7 @@ TEST_CASE("The text has the value, the design, what each limit is worth, and the
         "peak-axle-load <= 150000: +0.00015 m per N", "r2 + r3 <= 1.5: +9.5187 m per m",
         "r1: 0.0101 m shorter or 0.0151 m longer", "pin angle 0.7853981634 rad (45 deg)",
         "pin: 0.0317 rad (1.816 deg) less or any angle more",
-        "wind       range 25.875 m against 5 m/s, 27.125 m with it", "any length longer",
+        "wind       range 25.875 m with 5 m/s less wind, 27.125 m with more", "any length longer",
         "2 found from 4 starts", "20.5 m at r1 = 0.6000000, r2 = 0.8000000, r3 = 0.7000000 m",
         "123456", "0.02 m"})
     CHECK_THAT(text, contains(words));

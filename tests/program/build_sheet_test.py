@@ -4,6 +4,8 @@ import json
 import re
 import unittest
 
+import numpy as np
+
 from scripts import LABORATORY, ScriptTest
 import build_sheet
 import design_drawing
@@ -124,9 +126,11 @@ class BuildSheets(ScriptTest):
         self.run_script("build_sheet.py", "empty.json", code=1, says="empty.json: is empty; did trebsweep")
 
     def test_limits_are_in_the_units_of_the_sheet(self):
-        optimum = {"units": {"peak-axle-load": "N", "efficiency": "1", "speed": "m s-1"}}
+        optimum = {"constraint_units": {"peak-axle-load": "N", "efficiency": "1", "speed": "m s-1", "r1 / r2": "",
+                                        "2*r1": "m"}}
         for text, si, us in (("r1 + r2 <= 2.4384", "r1 + r2 <= 2.438 m", "r1 + r2 <= 8 ft 0 in"),
                              ("r2 >= 0.0254", "r2 >= 0.025 m", "r2 >= 1.00 in"),
+                             ("2*r1 <= 1.2192", "2*r1 <= 1.219 m", "2*r1 <= 4 ft 0 in"),
                              ("peak-axle-load <= 2668.93297", "peak-axle-load <= 2669 N", "peak-axle-load <= 600 lbf"),
                              ("efficiency >= 0.7", "efficiency >= 0.7", "efficiency >= 0.7"),
                              ("speed >= 44.704", "speed >= 44.7 m/s", "speed >= 100.0 mph"),
@@ -137,6 +141,16 @@ class BuildSheets(ScriptTest):
         for metres, text in ((0.3048, "1 ft 0 in"), (INCH / 2, "0.50 in"), (5 * INCH + INCH * 3 / 8, "5 3/8 in"),
                              (0.88392, "2 ft 10 13/16 in"), (12 * INCH - INCH / 64, "1 ft 0 in"), (0, "0.00 in")):
             self.assertEqual(feet_and_inches(metres), text)
+
+    def test_the_angle_of_the_pin_is_drawn_from_the_arms_line_to_the_sling(self):
+        for name, machine in self.optima.items():
+            with self.subTest(machine=name):
+                _, _, tip, projectile = machine.points(-1)
+                arm, sling = (complex(*vector) / np.hypot(*vector) for vector in (tip, projectile - tip))
+                (angle,) = design_drawing.release_dimensions(machine, UNITS["si"])
+                sides = np.exp(1j * np.array([angle.first, angle.last]))
+                np.testing.assert_allclose(sides, [arm, sling] if machine.value("pin-angle") > 0 else [sling, arm],
+                                           atol=1e-4)
 
     def test_the_panels_do_not_overlap(self):
         machine = self.optima["laboratory"]

@@ -38,7 +38,8 @@ struct Expression {
 Expression to_expression(Field field);
 
 /// The expression with a text: sums, differences, products and quotients of operands, numbers and
-/// abs(), with parentheses. Nothing if it is not one, or is_constant.
+/// abs(), with parentheses. Nothing if it is not one, is_constant, or has more than 1000
+/// characters.
 std::optional<Expression> to_expression(std::string_view text);
 
 }  // namespace trebsweep

@@ -15,6 +15,7 @@
 #include "trebsweep/base/number.hpp"
 #include "trebsweep/job/constraint.hpp"
 #include "trebsweep/job/lattice.hpp"
+#include "trebsweep/job/unit.hpp"
 
 namespace trebsweep {
 
@@ -114,8 +115,9 @@ KeyKind<std::vector<T>> list_of(const KeyKind<T>& element) {
   return {"LIST", "a list, each " + element.allowed,
           [=](const std::string& key, const std::string& text) {
             std::vector<T> values;
-            for (const std::string& word : element.unit.empty() ? to_words(text) : to_values(text))
-              values.push_back(element.parse(key, word));
+            const auto words = element.unit.empty() ? to_words(text) : to_values(text);
+            if (!element.unit.empty()) check_units_agree(key, text, words);
+            for (const std::string& word : words) values.push_back(element.parse(key, word));
             return values;
           },
           [=](const std::vector<T>& values) {

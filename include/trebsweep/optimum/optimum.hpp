@@ -32,10 +32,10 @@ struct BuildValue {
   double value;  ///< in the unit of the field
 };
 
-/// The range in a head wind and in a tail wind, m.
+/// The range with less and with more wind in the direction of the throw than the scene has, m.
 struct WindRange {
-  static constexpr double speed = 5;  ///< of the wind, added to that of the scene, m/s
-  double against, with;
+  static constexpr double speed = 5;  ///< by which the wind differs, m/s
+  double less, more;
 };
 
 /// A better design than the optimum, next to which the objective jumps.
