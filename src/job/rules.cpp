@@ -121,15 +121,15 @@ std::string why_absent(Field field, const Scene& scene) {
   return "";
 }
 
-/// Checks that the scene has every field that the job asks for.
-void check_fields(const Job& job, const Scene& scene) {
+/// Checks that the scene has every field, and uses every key, that the job asks for.
+void check_fields(const Job& job, const Scene& scene,
+                  const std::map<std::string, std::string>& unused) {
   const auto check = [&](Field field, const char* key, const std::string& value,
                          const char* allowed) {
     if (const std::string why = why_absent(field, scene); !why.empty())
       refuse(key, value, fmt::format("{} {}", allowed, why));
   };
   const auto name = [](Field field) { return std::string(info(field).name); };
-  const std::map<std::string, std::string> unused = unused_keys(job);
   for (const Field field : job.output.fields)
     check(field, "output.fields", name(field), "left out");
   const Field objective = job.optimum.objective;
@@ -246,7 +246,8 @@ std::map<std::string, std::string> unused_keys(const Job& job) {
 void check_rules(const Job& job, const std::map<std::string, std::string>& given) {
   check_release(job.solver);
   check_study(job);
-  for (const auto& [key, why] : unused_keys(job))
+  const auto unused = unused_keys(job);
+  for (const auto& [key, why] : unused)
     if (const auto found = given.find(key); found != given.end()) refuse(key, found->second, why);
   for (std::uint64_t n = 0; n < count_scenes(job); ++n) {
     name_scene_in_errors(job, n, [&] {
@@ -254,7 +255,7 @@ void check_rules(const Job& job, const std::map<std::string, std::string>& given
       check_beam(scene);
       check_trough(scene);
       check_sling(scene);
-      check_fields(job, scene);
+      check_fields(job, scene, unused);
     });
   }
   check_optimum(job.optimum);
