@@ -10,7 +10,7 @@ from drawing import Angle, Circle, Dimension, Label, Line, Square
 from job import parse_job
 from trajectory import lift_off
 
-FEET = (-0.3, 0.3)  # of the frame, which is a sketch, in heights of the axle
+FRAME_FEET = (-0.3, 0.3)  # of the frame, which is a sketch, in heights of the axle
 
 
 class Machine:
@@ -50,7 +50,7 @@ class Machine:
         return np.column_stack([self.swing.rows[f"x{body}"], self.swing.rows[f"y{body}"]])
 
     def beam(self):
-        """(mass, words for the section or the measured beam)."""
+        """The beam's mass, kg, and the (width, depth) of its section, m, or None for a measured beam."""
         if "beam-mass" in self.scene:
             return self.number("beam-mass"), None
         section = [self.number(key) if key in self.scene else self.number("beam-side")
@@ -74,7 +74,7 @@ def surroundings(machine, low, high):
     """The ground from x = low to high, the frame and the trough."""
     ground = -machine.h0
     shapes = [Line("ground", [(low, ground), (high, ground)])]
-    for foot in FEET:
+    for foot in FRAME_FEET:
         shapes.append(Line("frame", [(0, 0), (foot * machine.h0, ground)]))
     if machine.has_trough:
         height = ground + machine.number("trough-height")
@@ -120,7 +120,7 @@ def panels(machine, units):
     release = poses(machine, -1, unit) + release_dimensions(machine, units)
     release += [Line("paths", machine.path("3")), Line("paths", machine.path("1"))]
     for shapes, title in ((start, "start"), (release, "release")):
-        feet = Line("frame", [(foot * machine.h0, -machine.h0) for foot in FEET])
+        feet = Line("frame", [(foot * machine.h0, -machine.h0) for foot in FRAME_FEET])
         (left, _), (right, _) = drawing.bounds([*shapes, feet])
         shapes += surroundings(machine, left - 2 * unit, right + 2 * unit)
         shapes.append(Label((right, -machine.h0 - 2 * unit), title))
@@ -128,14 +128,14 @@ def panels(machine, units):
 
 
 def arranged(start, release, aspect):
-    """Both panels in one drawing, side by side or one above the other, whichever is larger on a page
-    with a ratio of width to height."""
+    """Both panels in one drawing, side by side or stacked, whichever fills a page better that is
+    `aspect` times as wide as high."""
     (low, high), (other_low, other_high) = drawing.bounds(start), drawing.bounds(release)
     size, other = high - low, other_high - other_low
     gap = 0.06 * max(size.max(), other.max())
-    beside = max((size[0] + other[0] + gap) / aspect, high[1] - low[1], other[1])
-    above = max(size[0] / aspect, other[0] / aspect, size[1] + other[1] + gap)
-    if beside <= above:
+    side_by_side = max((size[0] + other[0] + gap) / aspect, high[1] - low[1], other[1])
+    stacked = max(size[0] / aspect, other[0] / aspect, size[1] + other[1] + gap)
+    if side_by_side <= stacked:  # heights of the page
         by = (high[0] - other_low[0] + gap, 0)
     else:
         by = (low[0] - other_low[0], low[1] - other_high[1] - gap)

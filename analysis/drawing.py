@@ -34,7 +34,7 @@ def moved(shape, by):
 
 
 def ends(dimension):
-    """The ends of a dimension's line, beside the points that it measures."""
+    """The ends of a dimension line, which is offset from the points that it measures."""
     first, last = map(np.asarray, (dimension.first, dimension.last))
     along = (last - first) / np.linalg.norm(last - first)
     away = dimension.offset * np.array([-along[1], along[0]])
@@ -163,7 +163,7 @@ def place_texts(axes, anchors):
 def write_dxf(path, shapes, factor, insert_units, texts):
     """
     Writes shapes, multiplied by a factor, as a DXF file with a layer for each kind. `texts` are
-    written below them, in lines. Throws OSError.
+    written below them, one per line. Raises OSError.
     """
     import ezdxf
 

@@ -77,7 +77,8 @@ std::optional<Unit> take_name(std::string_view& text) {
   return found == units.end() ? std::nullopt : std::optional(found->unit);
 }
 
-/// Takes an exponent from the start of a text, "^2", "2" or "-1"; 1 if there is none.
+/// Takes an exponent such as "^2", "2" or "-1" from the start of a text. Without an exponent, it is
+/// 1; nothing if the exponent is invalid.
 std::optional<int> take_exponent(std::string_view& text) {
   const bool is_marked = text.starts_with('^');
   if (is_marked) text.remove_prefix(1);
@@ -120,7 +121,7 @@ std::optional<double> inches_of(std::string_view text) {
   return is_length ? std::optional(inches) : std::nullopt;
 }
 
-/// The dimension of a unit's text; none of an empty one.
+/// The dimension of the unit with a text; no dimension if the text is empty.
 std::optional<std::array<int, 4>> dimension_of(std::string_view unit) {
   if (unit.empty() || unit == "1") return none;
   const auto found = to_unit(unit);

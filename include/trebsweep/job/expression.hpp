@@ -26,11 +26,11 @@ double value_of(const Operands& operands, Field field);
 /// A formula of fields that are quantities, the lengths r1, r2 and r3, and numeric keys of the
 /// scene, as in "peak-axle-load / counterweight-mass".
 struct Expression {
-  std::string text;           ///< as in a job file
-  std::string unit;           ///< of the SI; empty if it is none, or not that of a single operand
-  std::vector<Field> fields;  ///< whose values it needs
-  std::vector<std::string> keys;                 ///< whose values it needs: "scene.gravity"
-  bool is_constant;                              ///< whether it consists of numbers only
+  std::string text;               ///< as in a job file
+  std::string unit;               ///< SI unit; empty if the value has none, or it is not known
+  std::vector<Field> fields;      ///< whose values it needs
+  std::vector<std::string> keys;  ///< whose values it needs: "scene.gravity"
+  bool is_constant;               ///< whether it consists of numbers only
   std::function<double(const Operands&)> value;  ///< NaN where an operand has none
 };
 
