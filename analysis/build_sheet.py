@@ -15,6 +15,7 @@ import functools
 import importlib.util
 import json
 import os
+import re
 import tempfile
 
 from program import Parser, check_new, fail, run  # before modules that may be missing
@@ -70,11 +71,12 @@ def trace(optimum, program):
 
 
 def limit_text(optimum, text, units):
-    """A limit such as "r1 + r2 <= 2.4384" with the unit of its fields or lengths."""
-    if "=" not in text:
-        return text  # no release
-    name, relation, limit = text.rsplit(" ", 2)
-    unit = optimum["constraint_units"].get(name, "m")  # a bound of the lattice is not among them
+    """A limit such as "r1 + r2 <= 2.4384" with the unit of its fields, lengths or variable."""
+    parts = re.fullmatch(r"(.*) ([<>]=) ([-+.\de]+)", text)
+    if not parts:
+        return text  # no release, or a bound such as r1 <= h0 - r4
+    name, relation, limit = parts.groups()
+    unit = {**optimum["units"], **optimum["constraint_units"]}.get(name, "m")  # of a length
     return f"{name} {relation} {units.quantity(float(limit), unit)}"
 
 
@@ -102,6 +104,11 @@ def length_rows(machine, units):
     rows = [(f"{words} {name}", units.length(optimum[name]),
              *allowance(loss[i], limits[i], ("shorter", "longer"), units.small))
             for words, name, i in (("counterweight arm", "r1", 0), ("throwing arm", "r2", 2), ("sling", "r3", 1))]
+    for i, (name, value) in enumerate(optimum["variables"].items(), len(rows)):
+        unit = optimum["units"][name]
+        tell = functools.partial(units.quantity, unit=unit)
+        rows.append((name.replace("-", " "), tell(value),
+                     *allowance(loss[i], limits[i], ("less", "more"), units.small if unit == "m" else tell)))
     rows.append(("whole beam r1 + r2", units.length(machine.r1 + machine.r2), "", ""))
     if machine.r4:
         rows.append(("hanger r4, to the box's centre of mass", units.length(machine.r4), "", ""))
@@ -176,8 +183,9 @@ def objective_unit(optimum):
 def provenance(machine, name):
     """Where the numbers come from."""
     optimum = machine.optimum
-    lines = [f"{name}: largest {optimum['objective']}, to a relative error of "
-             f"{optimum['error'] / abs(optimum['value']):.0e}. {optimum['version']}.", BUILT]
+    unit = objective_unit(optimum)
+    error = f"{optimum['error']:.0e} {'' if unit == '1' else unit}".rstrip()
+    lines = [f"{name}: largest {optimum['objective']}, with an error of {error}. {optimum['version']}.", BUILT]
     if any(limit for pair in optimum["one_percent_limit"] for limit in pair) and not machine.deviation:
         lines.append("Where a limit is reached, there is no room to one side: optimum.deviation with "
                      "optimum.robust = worst leaves it.")
@@ -193,7 +201,9 @@ def texts(machine, units):
 
 def write_table(figure, left, top, tables):
     """Writes tables down a column of a page from its upper left corner, as parts of the page."""
-    step, width = 0.0205, 0.985 - left
+    notes = sum(len(row) > 3 and bool(row[3]) for rows in tables.values() for row in rows)
+    steps = sum(len(rows) + 1.85 for rows in tables.values()) + 0.75 * notes
+    step, width = min(0.0205, (top - 0.09) / steps), 0.985 - left  # down to the lines at the bottom
     for title, rows in tables.items():
         figure.text(left, top, title, fontsize=9, weight="bold", va="top")
         top -= 1.25 * step

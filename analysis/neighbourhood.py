@@ -21,7 +21,7 @@ import sys
 import tempfile
 from collections import namedtuple
 
-from program import Parser, run  # before modules that may be missing
+from program import Parser, refuse, run  # before modules that may be missing
 
 import numpy as np
 
@@ -65,6 +65,8 @@ def read_constraint(text, fields):
 def read_optimum(result):
     """The Optimum that an object of `trebsweep optimum --json` describes."""
     job = parse_job(result["job"])
+    if not re.fullmatch("[a-z]+(-[a-z]+)*", result["objective"]):
+        refuse("optimum.objective", result["objective"], "must be a field: the maps of a sweep hold no formulas")
     lengths = {name: Length(result[name], bounds, *(np.inf if loss is None else loss
                                                     for loss in losses), *limits)
                for name, bounds, losses, limits in zip(

@@ -124,12 +124,12 @@ void create_map(hid_t file, const Axes& axes, Field field, const Skeleton& skele
 
 /// Creates the datasets of the optima of a study's scenes.
 void create_optima(hid_t file, const Axes& outer, const Skeleton& skeleton) {
-  const FieldInfo& objective = info(skeleton.job().optimum.objective);
+  const Expression& objective = skeleton.job().optimum.objective;
   const FieldInfo &speed = info(Field::speed), &time = info(Field::release_time);
   const std::array<std::string_view, best_names.size()> units{
-      objective.units, speed.units, "m", "m", "m", time.units, objective.units};
+      objective.unit, speed.units, "m", "m", "m", time.units, objective.unit};
   const std::array<std::string_view, best_names.size()> texts{
-      objective.meaning,
+      meaning(objective),
       speed.meaning,
       r1_text,
       r3_text,
@@ -254,7 +254,7 @@ void write_attributes(const std::filesystem::path& path, const Job& job,
   const auto write = [&](std::string_view name, const auto& value) {
     hdf5::write_attribute(file, std::string(name), value);
   };
-  const FieldInfo& objective = info(job.optimum.objective);
+  const Expression& objective = job.optimum.objective;
   constexpr double nan = BestDesign::nan;
   const MeasuredError error = summary.error.value_or(MeasuredError{nan, nan, nan, 0});
   write("format_version", format_version);
@@ -267,8 +267,8 @@ void write_attributes(const std::filesystem::path& path, const Job& job,
   write("history", fmt::format("{}", fmt::join(history, "\n")));
   write("job", to_text(job));
   write("scene", scene_text(job));
-  write("objective", std::string(objective.name));
-  write("objective_units", std::string(objective.units));
+  write("objective", objective.text);
+  write("objective_units", objective.unit);
   write("error_median", error.median);
   write("error_largest", error.largest);
   write("error_at_optimum", error.at_optimum);

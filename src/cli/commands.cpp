@@ -14,6 +14,7 @@
 #include "trebsweep/cli/warnings.hpp"
 #include "trebsweep/job/load_job.hpp"
 #include "trebsweep/job/study.hpp"
+#include "trebsweep/optimum/json_report.hpp"
 #include "trebsweep/optimum/report.hpp"
 #include "trebsweep/sweep/sweep.hpp"
 #include "trebsweep/swing/kernel.hpp"

@@ -25,17 +25,18 @@ std::string lengths_text(const Design<double>& design, bool refined) {
   return fmt::format(fmt::runtime(format), design.r1, design.r2, design.r3);
 }
 
+bool is_speed(const Job& job) { return field_of(job.optimum.objective) == Field::speed; }
+
 std::string optimum_text(const BestDesign& best, std::uint64_t scene, const Job& job,
                          bool refined) {
-  const Field objective = job.optimum.objective;
+  const Expression& objective = job.optimum.objective;
   const std::string place = fmt::format("at {}, released at {:.8g} s",
                                         lengths_text(best.design, refined), best.release_time);
-  const std::string unit = unit_text(info(objective).units);
+  const std::string unit = unit_text(objective.unit);
   std::string text =
-      objective == Field::speed
-          ? fmt::format("{:.8f} m/s {}", best.speed, place)
-          : fmt::format("{} {:.10g}{}{} {} with {:.8f} m/s", info(objective).name, best.value,
-                        unit.empty() ? "" : " ", unit, place, best.speed);
+      is_speed(job) ? fmt::format("{:.8f} m/s {}", best.speed, place)
+                    : fmt::format("{} {:.10g}{}{} {} with {:.8f} m/s", objective.text, best.value,
+                                  unit.empty() ? "" : " ", unit, place, best.speed);
   if (is_study(job)) text += fmt::format(", where {}", outer_values_text(job, scene));
   if (must_be_taut(job)) text += ", the sling taut";
   const auto& constraints = job.optimum.constraints;
@@ -52,19 +53,19 @@ std::string reason_for_no_optimum(const Summary& summary, const Job& job) {
     released |= has_speed(static_cast<Status>(s)) && summary.tally.statuses[s] > 0;
   if (!released) return "none: nothing was released";
   std::vector<std::string> conditions;
-  if (job.optimum.objective != Field::speed)
-    conditions.push_back(fmt::format("has a finite {}", info(job.optimum.objective).name));
+  if (!is_speed(job))
+    conditions.push_back(fmt::format("has a finite {}", job.optimum.objective.text));
   if (must_be_taut(job)) conditions.emplace_back("has a taut sling");
   if (!job.optimum.constraints.empty()) conditions.emplace_back("satisfies the constraints");
   return fmt::format("none: no released design {}", fmt::join(conditions, " and "));
 }
 
-std::string to_text(const MeasuredError& error, Field objective) {
+std::string to_text(const MeasuredError& error, const Job& job) {
   std::string text = fmt::format("{:.2g} median, {:.2g} largest of {} designs", error.median,
                                  error.largest, error.designs);
   if (!std::isnan(error.at_optimum))
     text += fmt::format("; {:.2g} at the optimum", error.at_optimum);
-  if (objective != Field::speed) text += " (of the speed, m/s)";
+  if (!is_speed(job)) text += " (of the speed, m/s)";
   return text;
 }
 
@@ -93,9 +94,8 @@ std::vector<TextColumn> columns(const std::vector<BestDesign>& optima, const Job
     });
     ++a;
   }
-  const FieldInfo& objective = info(job.optimum.objective);
-  const std::string unit = unit_text(objective.units);
-  add(objective.name, unit,
+  const std::string unit = unit_text(job.optimum.objective.unit);
+  add(job.optimum.objective.text, unit,
       [&](std::uint64_t scene) { return fmt::format("{:.8g}", optima[scene].value); });
   const std::array lengths{std::pair{"r1", &Design<double>::r1},
                            std::pair{"r2", &Design<double>::r2},
@@ -144,9 +144,8 @@ std::string to_text(const Summary& summary, const Job& job) {
                       scene ? optimum_text(summary.optima[*scene], *scene, job, refined)
                             : reason_for_no_optimum(summary, job));
   if (is_study(job)) text += scene_table(summary, job) + "\n";
-  text +=
-      fmt::format("error     {}\n", summary.error ? to_text(*summary.error, job.optimum.objective)
-                                                  : std::string("not measured"));
+  text += fmt::format("error     {}\n",
+                      summary.error ? to_text(*summary.error, job) : std::string("not measured"));
   text += fmt::format("steps     {}, lane utilisation {:.1f} %\n", summary.tally.steps,
                       100 * summary.tally.utilisation());
   return text + fmt::format("seconds   {:.2f} ({:.2f} integrating)", summary.tally.sweep_seconds,

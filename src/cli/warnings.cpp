@@ -148,7 +148,8 @@ std::string speed_warning(const MeasuredError& error, double largest_speed, cons
                      error.largest, at_optimum, advice(solver));
 }
 
-std::string slack_warning(std::span<const Check> checks, double best_value, Field objective) {
+std::string slack_warning(std::span<const Check> checks, double best_value,
+                          const std::string& objective) {
   const double near = best_value - 0.05 * std::abs(best_value);
   const auto is_best = [&](const Check& c) { return c.objective >= near && !std::isnan(c.slack); };
   const auto slack = std::count_if(checks.begin(), checks.end(),
@@ -158,7 +159,7 @@ std::string slack_warning(std::span<const Check> checks, double best_value, Fiel
       "a sling that would go slack before the release in {} of {} designs checked within 5 % of "
       "the optimum's {}, where the model's rigid sling pushes; the field slack marks such "
       "designs, output.optimum = taut excludes them",
-      slack, std::count_if(checks.begin(), checks.end(), is_best), info(objective).name);
+      slack, std::count_if(checks.begin(), checks.end(), is_best), objective);
 }
 
 /// "A in 3, B in 2": the names with counts above 0.
@@ -230,7 +231,7 @@ std::vector<std::string> check_warnings(const Job& job, const BestDesign& optimu
   if (error) add(lines, speed_warning(*error, largest, job.solver));
   if (optimum.exists() && !is_slack && job.output.optimum_filter == OptimumFilter::all &&
       job.scene.sling_stiffness == 0)
-    add(lines, slack_warning(checks, optimum.value, job.optimum.objective));
+    add(lines, slack_warning(checks, optimum.value, job.optimum.objective.text));
   return lines;
 }
 

@@ -1,7 +1,6 @@
 #include "trebsweep/job/constraint.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <boost/algorithm/string/trim.hpp>
@@ -11,19 +10,6 @@
 #include "trebsweep/job/unit.hpp"
 
 namespace trebsweep {
-
-std::optional<Field> to_quantity(std::string_view name) {
-  for (const FieldInfo& info : field_info)
-    if (info.name == name && is_quantity(info.field)) return info.field;
-  return std::nullopt;
-}
-
-std::string quantity_names() {
-  std::vector<std::string_view> names;
-  for (const FieldInfo& info : field_info)
-    if (is_quantity(info.field)) names.push_back(info.name);
-  return fmt::format("{}", fmt::join(names, ", "));
-}
 
 std::vector<Field> fields_of(const std::vector<Constraint>& constraints) {
   std::vector<Field> fields;
@@ -44,10 +30,7 @@ Constraint to_constraint(const std::string& key, const std::string& text) {
   const auto sign = std::min(text.find("<="), text.find(">="));
   check(sign != text.npos, "with the sign <= or >=, which includes the limit");
   const auto expression = to_expression(text.substr(0, sign));
-  check(
-      expression.has_value(),
-      "where FIELD is one of " + quantity_names() +
-          ", or a formula with + - * / ( ) abs() of these, r1, r2, r3 and numeric keys of [scene]");
+  check(expression.has_value(), "where FIELD is " + allowed_expressions());
   const std::string number = boost::trim_copy(text.substr(sign + 2));
   const std::string& unit = expression->unit;
   const auto limit = to_si(number, unit);

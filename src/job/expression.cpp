@@ -1,10 +1,14 @@
 #include "trebsweep/job/expression.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <boost/algorithm/string/trim_all.hpp>
 #include <boost/spirit/home/x3.hpp>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "trebsweep/job/key.hpp"
 
@@ -15,27 +19,54 @@ namespace x3 = boost::spirit::x3;
 
 using Value = std::function<double(const Operands&)>;
 
-Expression operand(const std::string& name, const std::string& unit, Value value) {
-  return {name, unit, {}, {}, false, std::move(value)};
+/// The amount of a single operand.
+Amount amount_of(double value) { return {value, std::abs(value)}; }
+
+Expression operand(const std::string& name, const std::string& unit, const Value& value) {
+  return {name, unit, {}, {}, false, false, [=](const Operands& x) { return amount_of(value(x)); }};
 }
 
 Expression constant(double number) {
-  return {"", "", {}, {}, true, [=](const Operands&) { return number; }};
+  return {"", "", {}, {}, true, false, [=](const Operands&) { return amount_of(number); }};
+}
+
+// The operations of expressions.
+Amount sum_of(const Amount& a, const Amount& b) {
+  return {a.value + b.value, std::max(a.magnitude, b.magnitude)};
+}
+Amount difference_of(const Amount& a, const Amount& b) {
+  return sum_of(a, {-b.value, b.magnitude});
+}
+Amount product_of(const Amount& a, const Amount& b) {
+  return {a.value * b.value, a.magnitude * b.magnitude};
+}
+Amount quotient_of(const Amount& a, const Amount& b) {
+  return {a.value / b.value, a.magnitude / std::abs(b.value)};
 }
 
 /// Two expressions joined by an operation. A number takes the unit of the other one.
-template <class Operation>
-Expression joined(Expression a, const Expression& b, bool keeps_unit, Operation operation) {
+Expression joined(Expression a, const Expression& b, bool keeps_unit,
+                  Amount operation(const Amount&, const Amount&)) {
   if (a.is_constant)
     a.unit = b.unit;
   else if (!b.is_constant && !(keeps_unit && a.unit == b.unit))
     a.unit = "";
   a.is_constant = a.is_constant && b.is_constant;
+  a.is_distance = false;
   a.fields.insert(a.fields.end(), b.fields.begin(), b.fields.end());
   a.keys.insert(a.keys.end(), b.keys.begin(), b.keys.end());
-  a.value = [=, f = a.value, g = b.value](const Operands& x) { return operation(f(x), g(x)); };
+  a.amount = [=, f = a.amount, g = b.amount](const Operands& x) { return operation(f(x), g(x)); };
   return a;
 }
+
+/// An expression with its amount changed, such as its sign.
+Expression mapped(Expression a, Amount operation(const Amount&)) {
+  a.amount = [=, f = a.amount](const Operands& x) { return operation(f(x)); };
+  return a;
+}
+
+Amount negative_of(const Amount& a) { return {-a.value, a.magnitude}; }
+Amount distance_of(const Amount& a) { return {std::abs(a.value), a.magnitude}; }
 
 /// The operands by their names, of which the longest that fits is taken: names contain hyphens.
 x3::symbols<Expression> operand_names() {
@@ -73,25 +104,25 @@ struct FinitePolicies : x3::real_policies<double> {
 };
 const x3::real_parser<double, FinitePolicies> finite_number;
 const auto add = [](auto& context) {
-  x3::_val(context) = joined(x3::_val(context), x3::_attr(context), true, std::plus{});
+  x3::_val(context) = joined(x3::_val(context), x3::_attr(context), true, sum_of);
 };
 const auto subtract = [](auto& context) {
-  x3::_val(context) = joined(x3::_val(context), x3::_attr(context), true, std::minus{});
+  x3::_val(context) = joined(x3::_val(context), x3::_attr(context), true, difference_of);
 };
 const auto multiply = [](auto& context) {
-  x3::_val(context) = joined(x3::_val(context), x3::_attr(context), false, std::multiplies{});
+  x3::_val(context) = joined(x3::_val(context), x3::_attr(context), false, product_of);
 };
 const auto divide = [](auto& context) {
   const bool is_reciprocal = x3::_val(context).is_constant;
-  x3::_val(context) = joined(x3::_val(context), x3::_attr(context), false, std::divides{});
+  x3::_val(context) = joined(x3::_val(context), x3::_attr(context), false, quotient_of);
   if (is_reciprocal) x3::_val(context).unit = "";
 };
 const auto negate = [](auto& context) {
-  x3::_val(context) = joined(constant(0), x3::_attr(context), true, std::minus{});
+  x3::_val(context) = mapped(x3::_attr(context), negative_of);
 };
-const auto set_magnitude = [](auto& context) {
-  const auto magnitude = [](double, double x) { return std::abs(x); };
-  x3::_val(context) = joined(constant(0), x3::_attr(context), true, magnitude);
+const auto set_distance = [](auto& context) {
+  x3::_val(context) = mapped(x3::_attr(context), distance_of);
+  x3::_val(context).is_distance = true;
 };
 
 const x3::rule<struct SumOf, Expression> sum = "sum";
@@ -100,7 +131,7 @@ const x3::rule<struct FactorOf, Expression> factor = "factor";
 
 const auto sum_def = product[set] >> *(('+' >> product[add]) | ('-' >> product[subtract]));
 const auto product_def = factor[set] >> *(('*' >> factor[multiply]) | ('/' >> factor[divide]));
-const auto factor_def = (x3::lit("abs") >> '(' >> sum[set_magnitude] >> ')') |
+const auto factor_def = (x3::lit("abs") >> '(' >> sum[set_distance] >> ')') |
                         ('(' >> sum[set] >> ')') | ('-' >> factor[negate]) | operand_names()[set] |
                         finite_number[set_number];
 BOOST_SPIRIT_DEFINE(sum, product, factor)
@@ -114,12 +145,38 @@ double value_of(const Operands& operands, Field field) {
              : operands.values[static_cast<std::size_t>(found - operands.fields.begin())];
 }
 
+std::optional<Field> to_quantity(std::string_view name) {
+  for (const FieldInfo& info : field_info)
+    if (info.name == name && is_quantity(info.field)) return info.field;
+  return std::nullopt;
+}
+
+std::string quantity_names() {
+  std::vector<std::string_view> names;
+  for (const FieldInfo& info : field_info)
+    if (is_quantity(info.field)) names.push_back(info.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 Expression to_expression(Field field) {
   const FieldInfo& known = info(field);
   Expression expression = operand(std::string(known.name), std::string(known.units),
                                   [=](const Operands& x) { return value_of(x, field); });
   expression.fields = {field};
   return expression;
+}
+
+std::optional<Field> field_of(const Expression& expression) { return to_quantity(expression.text); }
+
+std::string_view meaning(const Expression& expression) {
+  const auto field = field_of(expression);
+  return field ? info(*field).meaning : std::string_view(expression.text);
+}
+
+Expression negative(const Expression& expression) {
+  Expression opposite = mapped(expression, negative_of);
+  opposite.text = "-(" + expression.text + ")";
+  return opposite;
 }
 
 std::optional<Expression> to_expression(std::string_view text) {
@@ -132,6 +189,11 @@ std::optional<Expression> to_expression(std::string_view text) {
     return std::nullopt;
   expression.text = boost::trim_all_copy(std::string(text));
   return expression;
+}
+
+std::string allowed_expressions() {
+  return "one of " + quantity_names() +
+         ", or a formula with + - * / ( ) abs() of these, r1, r2, r3 and numeric keys of [scene]";
 }
 
 }  // namespace trebsweep

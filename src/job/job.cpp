@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <numbers>
 
@@ -70,9 +71,14 @@ void add_missing(Values& higher, const Values& lower) {
 /// The lattice of a job with a trough, whose scenes have one lattice: the values of their keys
 /// ascend.
 LatticeSpec with_trough_axes(const Job& job, bool has_increment) {
-  const Scene highest = scene_at(job, count_scenes(job) - 1);
-  return with_trough_axes(job.lattice, has_increment, job.scene.fulcrum_height,
-                          highest.fulcrum_height);
+  double low = job.scene.fulcrum_height;
+  double high = scene_at(job, count_scenes(job) - 1).fulcrum_height;
+  for (const Variable& variable : job.optimum.variables)
+    if (variable.key == "scene.fulcrum-height") {
+      low = std::min(low, variable.lower);
+      high = std::max(high, variable.upper);
+    }
+  return with_trough_axes(job.lattice, has_increment, low, high);
 }
 
 /// When a solver releases the projectile, to follow "release".
@@ -128,6 +134,10 @@ Job parse_job(const std::string& text, const std::string& name, const Overrides&
 
   for (const Key& key : job_keys())
     if (const auto value = given.find(key.name); value != given.end()) key.set(job, value->second);
+  for (const Variable& variable : job.optimum.variables)
+    if (!given.contains(variable.key))
+      set_variables({&variable, 1}, std::array{(variable.lower + variable.upper) / 2}, job.scene,
+                    job.solver);
   check_rules(job, given);
   if (job.scene.trough) job.lattice = with_trough_axes(job, given.contains("lattice.increment"));
   // Paths in the job file are relative to its directory, paths in options to the working directory.

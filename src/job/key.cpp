@@ -90,7 +90,25 @@ Key outer_key(const std::string& name, const std::string& meaning, const KeyKind
   return outer;
 }
 
+/// The key for an objective with the opposite sign.
+Key minimize_key() {
+  Key minimize = key("optimum.minimize",
+                     "field or formula whose smallest value is the optimum, instead of objective",
+                     expression(), &OptimumSpec::objective);
+  minimize.set = [set = minimize.set](Job& job, const std::string& value) {
+    set(job, value);
+    job.optimum.objective = negative(job.optimum.objective);
+  };
+  minimize.get = [](const Job&) { return std::string(); };  // it is that of the objective
+  return minimize;
+}
+
 }  // namespace
+
+bool is_absent_at_zero(std::string_view name) {
+  return name == "scene.sling-stiffness" || name == "scene.counterweight-hanger" ||
+         name == "scene.projectile-diameter";
+}
 
 std::string Key::help() const {
   return fmt::format("{}{}{}; {}", meaning, unit.empty() ? "" : ", ", unit, allowed);
@@ -262,11 +280,16 @@ const std::vector<Key>& job_keys() {
       key("output.compression", "deflate level of the maps, where 0 means no compression",
           integer<int>(0, 9), &Output::compression),
 
-      key("optimum.objective", "field whose largest value is the optimum",
-          quantity(), &OptimumSpec::objective),
+      key("optimum.objective", "field or formula whose largest value is the optimum",
+          expression(), &OptimumSpec::objective),
+      minimize_key(),
       key("optimum.subject-to",
           "constraints that the optimum satisfies (default: none)",
           constraints(), &OptimumSpec::constraints),
+      key("optimum.variables",
+          "keys that trebsweep optimum searches besides the lengths, with their bounds; where the job "
+          "does not give such a key a value, other commands take the middle (default: none)",
+          variables(), &OptimumSpec::variables),
       key("optimum.deviation",
           "largest deviation of each built length from the optimum's, where 0 means exact "
           "lengths",

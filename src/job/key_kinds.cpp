@@ -45,6 +45,27 @@ void check_steps(const std::string& key, const std::string& text, const AxisRang
                      value_after(std::floor(steps)), value_after(std::ceil(steps))));
 }
 
+/// A list whose items are separated by commas.
+template <class Item>
+KeyKind<std::vector<Item>> comma_list(const std::string& allowed,
+                                      Item to_item(const std::string&, const std::string&)) {
+  return {"LIST", allowed,
+          [=](const std::string& key, const std::string& text) {
+            std::vector<Item> items;
+            if (boost::trim_copy(text).empty()) return items;
+            std::vector<std::string> parts;
+            boost::split(parts, text, boost::is_any_of(","));
+            for (const std::string& part : parts)
+              items.push_back(to_item(key, boost::trim_copy(part)));
+            return items;
+          },
+          [](const std::vector<Item>& items) {
+            std::vector<std::string> parts;
+            for (const Item& item : items) parts.push_back(to_text(item));
+            return fmt::format("{}", fmt::join(parts, ", "));
+          }};
+}
+
 }  // namespace
 
 AxisRange to_range(const std::string& key, const std::string& text, const std::string& unit,
@@ -158,35 +179,31 @@ KeyKind<bool> yes_no() {
   return choice<bool>(names);
 }
 
-KeyKind<Field> quantity() {
-  const std::string allowed = "one of " + quantity_names();
-  return {"NAME", allowed,
-          [=](const std::string& key, const std::string& text) {
-            const auto field = to_quantity(text);
-            if (!field) refuse(key, text, allowed);
-            return *field;
+KeyKind<Expression> expression() {
+  return {"FIELD", allowed_expressions(),
+          [](const std::string& key, const std::string& text) {
+            const auto expression = to_expression(text);
+            if (!expression) refuse(key, text, allowed_expressions());
+            if (expression->fields.empty())
+              refuse(key, text, "a formula with a field: with " + allowed_expressions());
+            return *expression;
           },
-          [](const Field& field) { return std::string(info(field).name); }};
+          [](const Expression& expression) { return expression.text; }};
 }
 
 KeyKind<std::vector<Constraint>> constraints() {
-  return {"LIST",
-          "a list, each FIELD <= NUMBER or FIELD >= NUMBER, separated by commas, where FIELD is as "
-          "for objective, or a formula of such fields, r1, r2, r3 and numeric keys of [scene]",
-          [](const std::string& key, const std::string& text) {
-            std::vector<Constraint> constraints;
-            if (boost::trim_copy(text).empty()) return constraints;
-            std::vector<std::string> parts;
-            boost::split(parts, text, boost::is_any_of(","));
-            for (const std::string& part : parts)
-              constraints.push_back(to_constraint(key, boost::trim_copy(part)));
-            return constraints;
-          },
-          [](const std::vector<Constraint>& constraints) {
-            std::vector<std::string> parts;
-            for (const Constraint& constraint : constraints) parts.push_back(to_text(constraint));
-            return fmt::format("{}", fmt::join(parts, ", "));
-          }};
+  return comma_list(
+      "a list, each FIELD <= NUMBER or FIELD >= NUMBER, separated by commas, where FIELD is as "
+      "for objective, or a formula without fields",
+      to_constraint);
+}
+
+KeyKind<std::vector<Variable>> variables() {
+  return comma_list(
+      fmt::format("a list of up to {}, each KEY LOW:HIGH, separated by commas, where KEY is a "
+                  "numeric key of [scene], pin-angle or release-angle",
+                  max_variables),
+      to_variable);
 }
 
 }  // namespace trebsweep

@@ -132,21 +132,20 @@ void check_fields(const Job& job, const Scene& scene,
   const auto name = [](Field field) { return std::string(info(field).name); };
   for (const Field field : job.output.fields)
     check(field, "output.fields", name(field), "left out");
-  const Field objective = job.optimum.objective;
-  check(objective, "optimum.objective", name(objective), "another field");
-  for (const Constraint& constraint : job.optimum.constraints) {
-    const auto& [text, unit, fields, keys, is_constant, value] = constraint.expression;
-    for (const Field field : fields)
-      check(field, "optimum.subject-to", to_text(constraint), "left out");
-    for (const std::string& key : keys) {
-      if (const auto why = unused.find(key); why != unused.end())
-        refuse("optimum.subject-to", to_text(constraint),
-               fmt::format("without {}, which must be {}", key, why->second));
-      if (std::isnan(std::ranges::find(job_keys(), key, &Key::name)->number(scene)))
-        refuse("optimum.subject-to", to_text(constraint),
-               fmt::format("left out unless {} is given", key));
+  const auto check_expression = [&](const Expression& expression, const char* key,
+                                    const std::string& text, const char* allowed) {
+    for (const Field field : expression.fields) check(field, key, text, allowed);
+    for (const std::string& operand : expression.keys) {
+      if (const auto why = unused.find(operand); why != unused.end())
+        refuse(key, text, fmt::format("without {}, which must be {}", operand, why->second));
+      if (std::isnan(std::ranges::find(job_keys(), operand, &Key::name)->number(scene)))
+        refuse(key, text, fmt::format("{} unless {} is given", allowed, operand));
     }
-  }
+  };
+  const Expression& objective = job.optimum.objective;
+  check_expression(objective, "optimum.objective", objective.text, "another field");
+  for (const Constraint& constraint : job.optimum.constraints)
+    check_expression(constraint.expression, "optimum.subject-to", to_text(constraint), "left out");
 }
 
 /// Checks that two constraints on the same expression are a lower limit and a larger upper limit.
@@ -188,6 +187,51 @@ void check_study(const Job& job) {
                fmt::format("left out if {} has several values: the archive has that axis under the "
                            "same name",
                            axis.key));
+}
+
+void check_scene(const Job& job, const Scene& scene,
+                 const std::map<std::string, std::string>& unused) {
+  check_beam(scene);
+  check_trough(scene);
+  check_sling(scene);
+  check_fields(job, scene, unused);
+}
+
+void check_unused(const std::map<std::string, std::string>& unused,
+                  const std::map<std::string, std::string>& given) {
+  for (const auto& [key, why] : unused)
+    if (const auto found = given.find(key); found != given.end()) refuse(key, found->second, why);
+}
+
+/// Checks the variables, and the scenes at the corners of their box: rules are about the sign of a
+/// key, or order two of them.
+void check_variables(const Job& job, const std::map<std::string, std::string>& given) {
+  const auto& variables = job.optimum.variables;
+  if (variables.size() > max_variables)
+    refuse("optimum.variables", to_text(variables.back()),
+           fmt::format("one of at most {} variables", max_variables));
+  for (auto v = variables.begin(); v != variables.end(); ++v) {
+    const auto check = [&](bool valid, const std::string& allowed) {
+      if (!valid) refuse("optimum.variables", to_text(*v), allowed);
+    };
+    check(std::ranges::count(variables, v->key, &Variable::key) == 1, "given only once");
+    check(std::ranges::count(job.outer_axes, v->key, &OuterAxis::key) == 0,
+          fmt::format("left out with several values of {}", v->key));
+    check(!is_absent_at_zero(v->key) || v->lower > 0, "above 0, where the scene lacks the effect");
+  }
+  if (variables.empty()) return;
+  for (const std::vector<double>& values : corners(variables)) {
+    Job at = job;
+    at.outer_axes.clear();
+    set_variables(variables, values, at.scene, at.solver);
+    const auto unused = unused_keys(at);
+    check_unused(unused, given);
+    for (const Variable& v : variables)
+      if (const auto why = unused.find(v.key); why != unused.end())
+        refuse("optimum.variables", to_text(v),
+               fmt::format("without {}, which must be {}", v.key, why->second));
+    check_scene(at, at.scene, unused);
+  }
 }
 
 }  // namespace
@@ -246,18 +290,14 @@ std::map<std::string, std::string> unused_keys(const Job& job) {
 void check_rules(const Job& job, const std::map<std::string, std::string>& given) {
   check_release(job.solver);
   check_study(job);
+  check_variables(job, given);
+  if (given.contains("optimum.objective") && given.contains("optimum.minimize"))
+    refuse("optimum.minimize", given.at("optimum.minimize"),
+           "left out with optimum.objective, instead of which it is given");
   const auto unused = unused_keys(job);
-  for (const auto& [key, why] : unused)
-    if (const auto found = given.find(key); found != given.end()) refuse(key, found->second, why);
-  for (std::uint64_t n = 0; n < count_scenes(job); ++n) {
-    name_scene_in_errors(job, n, [&] {
-      const Scene scene = scene_at(job, n);
-      check_beam(scene);
-      check_trough(scene);
-      check_sling(scene);
-      check_fields(job, scene, unused);
-    });
-  }
+  check_unused(unused, given);
+  for (std::uint64_t n = 0; n < count_scenes(job); ++n)
+    name_scene_in_errors(job, n, [&] { check_scene(job, scene_at(job, n), unused); });
   check_optimum(job.optimum);
 }
 

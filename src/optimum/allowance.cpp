@@ -22,28 +22,20 @@ struct End {
 /// The values_at() what is off by some distances, a column for each.
 using ValuesOff = std::function<Eigen::MatrixXd(const std::vector<double>& distances)>;
 
-/// The first bound that a length reaches as it becomes shorter or longer, or no bound after half of
-/// it.
+/// The largest part of a parameter, and the largest angle (rad), by which it is said to be off.
+constexpr double largest_part = 0.5, largest_angle = 1;
+
+/// The end of a parameter's interval() to one side, or none if that is far away.
 End first_bound(const DesignProblem& problem, const std::vector<Limit>& all,
-                const Design<double>& design, std::size_t length, double sign) {
-  const std::array<double, 3> r = lengths(design);
-  const DesignSpace& space = problem.space;
-  End first{0.5 * r[length], ""};
-  const auto add = [&](double distance, std::size_t limit) {
-    if (distance < first.distance) first = {std::max(distance, 0.0), all[limit].text};
-  };
-  const std::size_t sum = problem.constraints.size();  // the limit r2 + r3 <= h0, if there is one
-  if (has_sum(problem) && length > 0 && sign > 0) add(*space.longest_sum - r[1] - r[2], sum);
-  const auto& variables = problem.variables;
-  const auto variable = std::ranges::find(variables, length);
-  if (variable == variables.end()) return first;
-  const std::size_t lower =
-      sum + (has_sum(problem) ? 1 : 0) + static_cast<std::size_t>(variable - variables.begin());
-  if (sign < 0)
-    add(r[length] - space.lower[length], lower);
-  else
-    add(space.upper[length] - r[length], lower + variables.size());
-  return first;
+                const Parameters& parameters, Eigen::Index parameter, double sign) {
+  const double value = parameters(parameter);
+  const bool is_angle = problem.space.units[static_cast<std::size_t>(parameter)] == "rad";
+  const IntervalEnd end = interval(problem, parameters, parameter)[sign > 0];
+  const double far = is_angle     ? largest_angle
+                     : value != 0 ? largest_part * std::abs(value)
+                                  : scale_of(problem.space, parameter);
+  const double distance = sign * (end.value - value);
+  return distance < far ? End{std::max(0.0, distance), all[end.limit].text} : End{far, ""};
 }
 
 /// What a design has passed, by its column of values_at(): a limit, or the least objective.
@@ -82,53 +74,54 @@ End end_of(const ValuesOff& values_off, const std::vector<Limit>& all, const End
   return bound;
 }
 
-/// The objective when 1 % of it is lost.
-double least_objective(double value) { return value - 0.01 * std::abs(value); }
+/// The objective when 1 % of its magnitude is lost.
+double least_objective(const DesignProblem& problem, const Parameters& parameters, double value) {
+  return value - 0.01 * magnitude_at(problem, parameters);
+}
 
 }  // namespace
 
-std::array<Allowance, 3> allowances(const DesignProblem& problem, const Design<double>& design,
-                                    std::uint64_t& integrated) {
+std::vector<Allowance> allowances(const DesignProblem& problem, const Parameters& parameters,
+                                  std::uint64_t& integrated) {
   ++integrated;
-  const double least = least_objective(values_at(problem, {&design, 1})(0, 0));
+  const double value = values_at(problem, parameters)(0, 0);
+  const double least = least_objective(problem, parameters, value);
   const std::vector<Limit> all = limits(problem);
-  std::array<Allowance, 3> found;
-  for (std::size_t d = 0; d < 3; ++d) {
+  std::vector<Allowance> found;
+  for (Eigen::Index d = 0; d < parameters.size(); ++d) {
     const auto values_off = [&](const std::vector<double>& distances) {
-      std::vector<Design<double>> designs;
-      for (const double distance : distances) {
-        std::array<double, 3> by{};
-        by[d] = distance;
-        designs.push_back(moved(design, by));
-      }
-      integrated += designs.size();
-      return values_at(problem, designs);
+      Eigen::MatrixXd off = parameters.replicate(1, std::ssize(distances));
+      off.row(d) += Eigen::RowVectorXd::Map(distances.data(), off.cols());
+      integrated += distances.size();
+      return values_at(problem, off);
     };
+    const double size = std::max(std::abs(parameters(d)), 0.01 * scale_of(problem.space, d));
     const auto end = [&](double sign) {
-      const End bound = first_bound(problem, all, design, d, sign);
-      return end_of(values_off, all, bound, sign, least, 1e-7 * lengths(design)[d]);
+      const End bound = first_bound(problem, all, parameters, d, sign);
+      return end_of(values_off, all, bound, sign, least, 1e-7 * size);
     };
     const End less = end(-1), more = end(1);
-    found[d] = {less.distance, more.distance, less.limit, more.limit};
+    found.push_back({less.distance, more.distance, less.limit, more.limit});
   }
   return found;
 }
 
-std::optional<Allowance> pin_allowance(const DesignProblem& problem, const Design<double>& design,
+std::optional<Allowance> pin_allowance(const DesignProblem& problem, const Parameters& parameters,
                                        std::uint64_t& integrated) {
   constexpr double same = 1e-6, precision = 1e-6;  // relative; rad
   constexpr Field field = Field::pin_angle;
-  const double angle =
-      field_values(problem.scene, problem.solver, Accuracy::high, {&design, 1}, {&field, 1})(0);
-  const double value = values_at(problem, {&design, 1})(0, 0);
+  const double angle = field_values(problem.machine, Accuracy::high, parameters, {&field, 1})(0);
+  const double value = values_at(problem, parameters)(0, 0);
   DesignProblem pinned = problem;
-  pinned.solver.release = Release::pin;
+  pinned.machine = at(problem.machine, parameters);
+  pinned.machine.variables.clear();
+  pinned.machine.solver.release = Release::pin;
   const auto values_off = [&](const std::vector<double>& distances) {
     Eigen::MatrixXd values(1 + problem.constraints.size(), distances.size());
     integrated += distances.size();
     for (std::size_t i = 0; i < distances.size(); ++i) {
-      pinned.solver.pin_angle = angle + distances[i];
-      values.col(static_cast<Eigen::Index>(i)) = values_at(pinned, {&design, 1});
+      pinned.machine.solver.pin_angle = angle + distances[i];
+      values.col(static_cast<Eigen::Index>(i)) = values_at(pinned, parameters.head(length_count));
     }
     return values;
   };
@@ -137,8 +130,9 @@ std::optional<Allowance> pin_allowance(const DesignProblem& problem, const Desig
     return std::nullopt;
   const std::vector<Limit> all = limits(problem);
   const auto end = [&](double sign) {
-    const End bound{std::min(1.0, std::numbers::pi - sign * angle), ""};
-    return end_of(values_off, all, bound, sign, least_objective(value), precision);
+    const End bound{std::min(largest_angle, std::numbers::pi - sign * angle), ""};
+    return end_of(values_off, all, bound, sign, least_objective(problem, parameters, value),
+                  precision);
   };
   const End less = end(-1), more = end(1);
   return Allowance{less.distance, more.distance, less.limit, more.limit};

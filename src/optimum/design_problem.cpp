@@ -6,8 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "trebsweep/optimum/field_values.hpp"
-
 namespace trebsweep {
 namespace {
 
@@ -24,6 +22,21 @@ double weight(const Scene& scene) { return scene.projectile_mass * scene.gravity
 /// An order of magnitude: |value|, or 1 if that is 0 or NaN.
 double magnitude(double value) { return std::abs(value) > 0 ? std::abs(value) : 1; }
 
+/// By how much parameters are beyond the limits of the space, scaled; a row per limit.
+MatrixXd space_excesses(const DesignProblem& problem, const MatrixXd& parameters) {
+  const auto& limits = problem.space.limits;
+  MatrixXd excesses(limits.size(), parameters.cols());
+  if (limits.empty()) return excesses;
+  const MatrixXd no_values(0, parameters.cols());
+  for_each_design(
+      problem.machine, parameters, {}, no_values, [&](Index column, const Operands& operands) {
+        for (Index row = 0; const SpaceLimit& limit : limits)
+          excesses(row++, column) =
+              limit.excess(operands.scene, operands.design) / problem.machine.scene.fulcrum_height;
+      });
+  return excesses;
+}
+
 }  // namespace
 
 double scale_of(const Constraint& constraint, const Scene& scene, double value) {
@@ -34,11 +47,6 @@ double scale_of(const Constraint& constraint, const Scene& scene, double value) 
   constexpr double negligible = 2 * smallest_tension;
   const double limit = std::abs(constraint.limit);
   return limit > negligible * size ? limit : size;
-}
-
-bool has_sum(const DesignProblem& problem) {
-  return problem.space.longest_sum &&
-         std::ranges::any_of(problem.variables, [](std::size_t d) { return d > 0; });
 }
 
 std::vector<Constraint> constraints_of(const Job& job) {
@@ -85,65 +93,60 @@ Job searched_job(const Job& job) {
   return searched;
 }
 
-DesignProblem design_problem(const Job& job, const Design<double>& typical) {
-  DesignProblem problem{.scene = job.scene,
-                        .solver = job.solver,
-                        .space = design_space(job.scene, job.lattice),
-                        .fields = {job.optimum.objective},
+DesignProblem design_problem(const Job& job, const Parameters& typical) {
+  DesignProblem problem{.machine = machine_of(job),
+                        .space = design_space(job),
+                        .objective = job.optimum.objective,
                         .constraints = constraints_of(job),
-                        .scales = {},
-                        .variables = {}};
+                        .fields = job.optimum.objective.fields,
+                        .scales = {1},
+                        .free = {}};
   const std::vector<Field> constrained = fields_of(problem.constraints);
   problem.fields.insert(problem.fields.end(), constrained.begin(), constrained.end());
-  const MatrixXd values = quantities(problem, job.scene, job.solver, {&typical, 1});
-  problem.scales.push_back(magnitude(values(0)));
+  const VectorXd values = quantities(problem, problem.machine, typical);
+  problem.scales[0] = magnitude(magnitude_at(problem, typical));
   for (std::size_t i = 0; i < problem.constraints.size(); ++i)
     problem.scales.push_back(
         scale_of(problem.constraints[i], job.scene, values(static_cast<Index>(i) + 1)));
-  for (std::size_t d = 0; d < 3; ++d)
-    if (problem.space.lower[d] < problem.space.upper[d]) problem.variables.push_back(d);
+  for (Index d = 0; d < problem.space.size(); ++d)
+    if (problem.space.lower(d) < problem.space.upper(d)) problem.free.push_back(d);
   return problem;
 }
 
-double length_scale(const DesignProblem& problem, std::size_t length) {
-  return (problem.space.lower[length] + problem.space.upper[length]) / 2;
+double scale_of(const DesignSpace& space, Index parameter) {
+  const double lower = space.lower(parameter), upper = space.upper(parameter);
+  return std::max(std::abs(lower + upper), upper - lower) / 2;
 }
 
-VectorXd to_variables(const DesignProblem& problem, const Design<double>& design) {
-  VectorXd x(static_cast<Index>(problem.variables.size()));
-  for (Index i = 0; i < x.size(); ++i) {
-    const std::size_t d = problem.variables[static_cast<std::size_t>(i)];
-    x(i) = lengths(design)[d] / length_scale(problem, d);
-  }
+VectorXd to_scaled(const DesignProblem& problem, const Parameters& parameters) {
+  VectorXd x(std::ssize(problem.free));
+  for (Index i = 0; const Index d : problem.free)
+    x(i++) = parameters(d) / scale_of(problem.space, d);
   return x;
 }
 
-Design<double> to_design(const DesignProblem& problem, const VectorXd& variables) {
-  std::array<double, 3> r = problem.space.lower;
-  for (Index i = 0; i < variables.size(); ++i) {
-    const std::size_t d = problem.variables[static_cast<std::size_t>(i)];
-    r[d] = variables(i) * length_scale(problem, d);
-  }
-  return to_design(r);
+Parameters to_parameters(const DesignProblem& problem, const VectorXd& scaled) {
+  Parameters parameters = problem.space.lower;
+  for (Index i = 0; const Index d : problem.free)
+    parameters(d) = scaled(i++) * scale_of(problem.space, d);
+  return parameters;
 }
 
-MatrixXd quantities(const DesignProblem& problem, const Scene& scene, const Solver& solver,
-                    std::span<const Design<double>> designs) {
-  const MatrixXd fields = field_values(scene, solver, Accuracy::high, designs, problem.fields);
-  const std::size_t count = problem.fields.size();
-  MatrixXd values(1 + problem.constraints.size(), designs.size());
-  for (std::size_t n = 0; n < designs.size(); ++n) {
-    const Operands operands{scene, designs[n], problem.fields, {fields.data() + n * count, count}};
-    const auto column = static_cast<Index>(n);
-    values(0, column) = fields(0, column);
-    for (std::size_t i = 0; i < problem.constraints.size(); ++i)
-      values(static_cast<Index>(i) + 1, column) = problem.constraints[i].expression.value(operands);
-  }
+MatrixXd quantities(const DesignProblem& problem, const Machine& machine,
+                    const MatrixXd& parameters) {
+  const MatrixXd fields = field_values(machine, Accuracy::high, parameters, problem.fields);
+  MatrixXd values(1 + problem.constraints.size(), parameters.cols());
+  for_each_design(machine, parameters, problem.fields, fields,
+                  [&](Index column, const Operands& operands) {
+                    values(0, column) = problem.objective.value(operands);
+                    for (Index row = 1; const Constraint& constraint : problem.constraints)
+                      values(row++, column) = constraint.expression.value(operands);
+                  });
   return values;
 }
 
-MatrixXd values_at(const DesignProblem& problem, std::span<const Design<double>> designs) {
-  MatrixXd values = quantities(problem, problem.scene, problem.solver, designs);
+MatrixXd values_at(const DesignProblem& problem, const MatrixXd& parameters) {
+  MatrixXd values = quantities(problem, problem.machine, parameters);
   values.row(0) /= problem.scales[0];
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const Constraint& constraint = problem.constraints[i];
@@ -153,6 +156,17 @@ MatrixXd values_at(const DesignProblem& problem, std::span<const Design<double>>
   return values;
 }
 
+double magnitude_at(const DesignProblem& problem, const Parameters& parameters) {
+  const auto& fields = problem.objective.fields;
+  const MatrixXd values = field_values(problem.machine, Accuracy::high, parameters, fields);
+  double magnitude = 0;
+  for_each_design(problem.machine, parameters, fields, values,
+                  [&](Index, const Operands& operands) {
+                    magnitude = problem.objective.amount(operands).magnitude;
+                  });
+  return magnitude / problem.scales[0];
+}
+
 NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Deviation>& deviations,
                             Aggregate aggregate, std::uint64_t& integrated) {
   const auto objectives =
@@ -160,16 +174,17 @@ NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Devi
           ? 1
           : std::ranges::count_if(deviations, [](const Deviation& d) { return d.weight > 0; });
   const auto constrained = std::ranges::count_if(deviations, &Deviation::constrained);
-  const auto fields = static_cast<Index>(problem.constraints.size());
-  const Index constraints = fields * constrained + (has_sum(problem) ? 1 : 0);
+  const auto fields = std::ssize(problem.constraints), count = std::ssize(deviations);
+  const Index constraints = fields * constrained + std::ssize(problem.space.limits);
   const auto functions = [=, &integrated](const MatrixXd& points) {
-    std::vector<Design<double>> designs;
-    for (Index p = 0; p < points.cols(); ++p) {
-      const Design<double> design = to_design(problem, points.col(p));
-      for (const Deviation& d : deviations) designs.push_back(moved(design, d.lengths));
-    }
-    integrated += designs.size();
-    const MatrixXd values = values_at(problem, designs);
+    MatrixXd nominal(problem.space.size(), points.cols());
+    for (Index p = 0; p < points.cols(); ++p)
+      nominal.col(p) = to_parameters(problem, points.col(p));
+    MatrixXd parameters(nominal.rows(), points.cols() * count);
+    for (Index p = 0, column = 0; p < points.cols(); ++p)
+      for (const Deviation& d : deviations) parameters.col(column++) = nominal.col(p) + d.by;
+    integrated += static_cast<std::uint64_t>(parameters.cols());
+    const MatrixXd values = values_at(problem, parameters);
     MatrixXd result = MatrixXd::Zero(objectives + constraints, points.cols());
     for (Index p = 0, column = 0; p < points.cols(); ++p) {
       Index objective = 0, row = objectives;
@@ -184,26 +199,55 @@ NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Devi
         }
         ++column;
       }
-      if (has_sum(problem)) {
-        const Design<double> design = to_design(problem, points.col(p));
-        result(row, p) = (design.r2 + design.r3) / *problem.space.longest_sum - 1;
-      }
     }
+    result.bottomRows(std::ssize(problem.space.limits)) = space_excesses(problem, nominal);
     return result;
   };
   return {functions,
           objectives,
           constraints,
-          to_variables(problem, to_design(problem.space.lower)),
-          to_variables(problem, to_design(problem.space.upper)),
-          static_cast<Index>(deviations.size())};
+          to_scaled(problem, problem.space.lower),
+          to_scaled(problem, problem.space.upper),
+          std::ranges::count_if(problem.free, [](Index d) { return d < length_count; })};
 }
 
 NonlinearProgram nominal_program(const DesignProblem& problem, std::uint64_t& integrated) {
-  return program_of(problem, {{{}, 1, true}}, Aggregate::worst, integrated);
+  return program_of(problem, {{Parameters::Zero(problem.space.size()), 1, true}}, Aggregate::worst,
+                    integrated);
+}
+
+std::array<IntervalEnd, 2> interval(const DesignProblem& problem, const Parameters& parameters,
+                                    Index parameter) {
+  const DesignSpace& space = problem.space;
+  const auto limits = problem.constraints.size() + space.limits.size();
+  std::array<IntervalEnd, 2> ends{{{-HUGE_VAL, 0}, {HUGE_VAL, 0}}};
+  const auto found = std::ranges::find(problem.free, parameter);
+  if (found != problem.free.end()) {
+    const auto place = limits + static_cast<std::size_t>(found - problem.free.begin());
+    ends = {
+        {{space.lower(parameter), place}, {space.upper(parameter), place + problem.free.size()}}};
+  }
+  // The limits are linear in each parameter.
+  Parameters other = parameters;
+  other(parameter) += scale_of(space, parameter);
+  MatrixXd both(parameters.size(), 2);
+  both << parameters, other;
+  const MatrixXd excesses = space_excesses(problem, both);
+  for (std::size_t i = 0; i < space.limits.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    const double slope = excesses(row, 1) - excesses(row, 0);
+    if (std::abs(slope) < 1e-9) continue;
+    const double end = parameters(parameter) -
+                       excesses(row, 0) / slope * (other(parameter) - parameters(parameter));
+    IntervalEnd& side = ends[slope > 0];
+    if (slope > 0 ? end < side.value : end > side.value)
+      side = {end, problem.constraints.size() + i};
+  }
+  return ends;
 }
 
 std::vector<Limit> limits(const DesignProblem& problem) {
+  const DesignSpace& space = problem.space;
   std::vector<Limit> all;
   const double objective = problem.scales[0];
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
@@ -211,14 +255,15 @@ std::vector<Limit> limits(const DesignProblem& problem) {
     all.push_back(
         {to_text(c), c.expression.unit, (c.is_upper ? 1 : -1) * objective / problem.scales[i + 1]});
   }
-  if (has_sum(problem))
-    all.push_back({fmt::format("r2 + r3 <= {:.9g}", *problem.space.longest_sum), "m",
-                   objective / *problem.space.longest_sum});
+  for (const SpaceLimit& limit : space.limits)
+    all.push_back({limit.text, "m", objective / problem.machine.scene.fulcrum_height});
   for (const bool upper : {false, true})
-    for (const std::size_t d : problem.variables)
-      all.push_back({fmt::format("{} {} {:.9g}", length_names[d], upper ? "<=" : ">=",
-                                 (upper ? problem.space.upper : problem.space.lower)[d]),
-                     "m", (upper ? 1 : -1) * objective / length_scale(problem, d)});
+    for (const Index d : problem.free) {
+      const auto i = static_cast<std::size_t>(d);
+      all.push_back({fmt::format("{} {} {:.9g}", space.names[i],
+                                 upper ? "<=" : ">=", (upper ? space.upper : space.lower)(d)),
+                     space.units[i], (upper ? 1 : -1) * objective / scale_of(space, d)});
+    }
   return all;
 }
 

@@ -1,6 +1,7 @@
 #include "trebsweep/optimum/local_search.hpp"
 
-#include <algorithm>
+#include <boost/random/sobol.hpp>
+#include <boost/random/uniform_real_distribution.hpp>
 #include <cmath>
 
 namespace trebsweep {
@@ -12,20 +13,47 @@ using Eigen::VectorXd;
 
 constexpr double lattice_spacing = 1e-3;
 
-/// The best point of a cubic lattice around a point, with `reach` points to each side of it.
+/// Fills a matrix with the points of a Sobol sequence in a cube around the origin, which is the
+/// first of them.
+void fill_with_sobol(Eigen::Ref<MatrixXd> points, double half_width) {
+  if (points.rows() == 0) return;
+  boost::random::sobol sequence(static_cast<std::size_t>(points.rows()));
+  const boost::random::uniform_real_distribution inside(-half_width, half_width);
+  for (auto point : points.colwise())
+    for (double& x : point) x = inside(sequence);
+}
+
+/// The points of a cubic lattice around the origin, with `reach` points to each side of it; in more
+/// than three dimensions, some points of the cube with few values of the variables that are not
+/// cheap.
+MatrixXd cube(const NonlinearProgram& program, Index reach) {
+  const Index n = program.variables(), width = 2 * reach + 1;
+  if (reach == 0) return VectorXd::Zero(n);
+  if (n <= 3) {
+    MatrixXd points(n, std::lround(std::pow(width, n)));
+    for (Index p = 0; p < points.cols(); ++p)
+      for (Index i = 0, rest = p; i < n; ++i, rest /= width)
+        points(i, p) = static_cast<double>(rest % width - reach);
+    return points;
+  }
+  constexpr Index together = 24;
+  const Index cheap = program.cheap_variables, dear = n - cheap, groups = 4 * (dear + 1);
+  MatrixXd points = MatrixXd::Zero(n, groups * together), of_dear(dear, groups);
+  fill_with_sobol(points.topRows(cheap), static_cast<double>(reach));
+  fill_with_sobol(of_dear, static_cast<double>(reach));
+  for (Index p = 0; p < points.cols(); ++p) points.col(p).tail(dear) = of_dear.col(p / together);
+  return points;
+}
+
+/// The best point of a cube() around a point.
 Point best_around(const NonlinearProgram& program, const Point& centre, double spacing,
                   Index reach) {
-  const Index n = program.variables(), width = 2 * reach + 1;
-  const auto count = static_cast<Index>(std::lround(std::pow(width, n)));
-  MatrixXd points(n, count);
-  for (Index p = 0; p < count; ++p)
-    for (Index i = 0, rest = p; i < n; ++i, rest /= width) {
-      const double x = centre.x(i) + spacing * static_cast<double>(rest % width - reach);
-      points(i, p) = std::clamp(x, program.lower(i), program.upper(i));
-    }
+  MatrixXd points = spacing * cube(program, reach);
+  for (auto point : points.colwise())
+    point = (point + centre.x).cwiseMax(program.lower).cwiseMin(program.upper);
   const MatrixXd values = program.functions(points);
   Point best = centre;
-  for (Index p = 0; p < count; ++p) {
+  for (Index p = 0; p < points.cols(); ++p) {
     const Point point = point_of(program, points.col(p), values.col(p));
     if (is_better(point, best)) best = point;
   }

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <utility>
 
 #include "trebsweep/base/mpi.hpp"
 
 namespace trebsweep {
 namespace {
 
-std::vector<Found> search_from(const std::vector<Design<double>>& starts, const Search& search,
+std::vector<Found> search_from(const std::vector<Parameters>& starts, const Search& search,
                                ProgressStyle style, MPI_Comm comm) {
   Progress progress(0, starts.size(), style, "searches");
   const auto ranks = static_cast<std::size_t>(mpi::size(comm));
@@ -34,7 +33,7 @@ void sort_feasible(std::vector<Found>& found) {
 
 }  // namespace
 
-std::vector<Found> find_maxima(const std::vector<Design<double>>& starts, const Search& search,
+std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Search& search,
                                ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated) {
   std::vector<Found> found = search_from(starts, search, style, comm);
   for (const Found& f : found) integrated += f.integrated;
@@ -42,13 +41,12 @@ std::vector<Found> find_maxima(const std::vector<Design<double>>& starts, const 
   return found;
 }
 
-std::vector<Found> find_maxima(const std::vector<Design<double>>& starts,
-                               const DesignProblem& problem, ProgressStyle style, MPI_Comm comm,
-                               std::uint64_t& integrated) {
+std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const DesignProblem& problem,
+                               ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated) {
   constexpr std::size_t most = 4;  // thorough searches
   const auto search_with = [&](Effort effort) {
-    return [&problem, effort](const Design<double>& start, std::uint64_t& count) {
-      return search(nominal_program(problem, count), to_variables(problem, start), effort);
+    return [&problem, effort](const Parameters& start, std::uint64_t& count) {
+      return search(nominal_program(problem, count), to_scaled(problem, start), effort);
     };
   };
   auto found = find_maxima(starts, search_with(Effort::quick), style, comm, integrated);
@@ -57,12 +55,13 @@ std::vector<Found> find_maxima(const std::vector<Design<double>>& starts,
   const std::vector<LocalMaximum> ends = distinct(found, problem);
   const auto best = std::ranges::find_if(ends, &LocalMaximum::converged);
   const double least = best == ends.end() ? -HUGE_VAL : best->value - far * std::abs(best->value);
-  std::vector<Design<double>> stopped;
+  std::vector<Parameters> stopped;
   for (const LocalMaximum& m : ends)
-    if (!m.converged && m.value > least && stopped.size() < most) stopped.push_back(m.design);
+    if (!m.converged && m.value > least && stopped.size() < most) stopped.push_back(m.parameters);
   if (stopped.empty()) return found;
   std::erase_if(found, [&](const Found& f) {
-    return !f.converged && std::ranges::count(stopped, distinct({f}, problem).front().design) > 0;
+    return !f.converged &&
+           std::ranges::count(stopped, distinct({f}, problem).front().parameters) > 0;
   });
   const auto more = find_maxima(stopped, search_with(Effort::thorough), style, comm, integrated);
   found.insert(found.end(), more.begin(), more.end());
@@ -71,15 +70,16 @@ std::vector<Found> find_maxima(const std::vector<Design<double>>& starts,
 }
 
 std::vector<LocalMaximum> distinct(const std::vector<Found>& found, const DesignProblem& problem) {
-  constexpr double same = 1e-4;  // m
-  const auto n = static_cast<Eigen::Index>(problem.variables.size());
+  constexpr double same = 1e-4;  // m, or relative to the scale of a variable
+  const Eigen::Index n = std::ssize(problem.free);
+  Parameters units = Parameters::Ones(problem.space.size());
+  for (Eigen::Index d = length_count; d < units.size(); ++d) units(d) = scale_of(problem.space, d);
   std::vector<LocalMaximum> maxima;
   for (const Found& f : found) {
-    const LocalMaximum m{to_design(problem, Eigen::Map<const Eigen::VectorXd>(f.x.data(), n)),
+    const LocalMaximum m{to_parameters(problem, Eigen::Map<const Eigen::VectorXd>(f.x.data(), n)),
                          f.objective * problem.scales.front(), 1, f.converged};
     const auto is_same = [&](const LocalMaximum& known) {
-      const auto [a, b] = std::pair(known.design, m.design);
-      return std::hypot(a.r1 - b.r1, a.r3 - b.r3, a.r2 - b.r2) < same;
+      return (known.parameters - m.parameters).cwiseQuotient(units).norm() < same;
     };
     if (const auto known = std::ranges::find_if(maxima, is_same); known != maxima.end())
       ++known->starts;

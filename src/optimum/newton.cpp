@@ -23,9 +23,11 @@ struct Inequalities {
   std::vector<MatrixXd> hessians;  // with respect to x; of the objectives and constraints
 };
 
-Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x, const Steps& steps) {
+/// The inequalities at a point; with the second derivatives `hessians`, unless these are empty.
+Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x, const Steps& steps,
+                          const std::vector<MatrixXd>& hessians = {}) {
   const Index n = program.variables(), functions = program.objectives + program.constraints;
-  const Expansion e = expand(program.functions, x, steps, true);
+  const Expansion e = expand(program.functions, x, steps, hessians.empty());
   Inequalities c{VectorXd(functions + 2 * n), MatrixXd::Zero(functions + 2 * n, n + 1), e.hessians};
   const double t = e.values.head(program.objectives).minCoeff();
   c.values << t - e.values.head(program.objectives).array(), e.values.tail(program.constraints),
@@ -34,8 +36,9 @@ Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x, co
   for (Index f = 0; f < program.objectives; ++f) {
     c.gradients.row(f).head(n) *= -1;
     c.gradients(f, n) = 1;
-    c.hessians[static_cast<std::size_t>(f)] *= -1;
+    if (hessians.empty()) c.hessians[static_cast<std::size_t>(f)] *= -1;
   }
+  if (!hessians.empty()) c.hessians = hessians;
   c.gradients.block(functions, 0, n, n) = -MatrixXd::Identity(n, n);
   c.gradients.block(functions + n, 0, n, n) = MatrixXd::Identity(n, n);
   return c;
@@ -106,12 +109,16 @@ bool has_derivatives(Inequalities& c) {
 }
 
 /// The inequalities at a point, with derivatives good enough for a step of about this length;
-/// nothing if they have none.
-std::optional<Inequalities> model(const NonlinearProgram& program, const VectorXd& x,
-                                  double length) {
+/// nothing if they have none. `last` is the model of a point so far away: after a short step, its
+/// second derivatives still serve, where others are expensive.
+std::optional<Inequalities> model(const NonlinearProgram& program, const VectorXd& x, double length,
+                                  const std::optional<Inequalities>& last = std::nullopt) {
   constexpr double close = 1e-4;
   if (length > close)
     if (auto c = inequalities(program, x, quick_steps); has_derivatives(c)) return c;
+  if (length <= close && last && program.cheap_variables < program.variables())
+    if (auto c = inequalities(program, x, accurate_steps, last->hessians); has_derivatives(c))
+      return c;
   auto c = inequalities(program, x, accurate_steps);
   return has_derivatives(c) ? std::optional(c) : std::nullopt;
 }
@@ -135,7 +142,7 @@ std::vector<Index> nearly_active(const NonlinearProgram& program, const Inequali
 KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   constexpr int max_iterations = 60;
   constexpr double enough = 1e-11, converged = 1e-7;  // lengths of the last step
-  constexpr double max_residual = 1e-6, max_loss = 1e-8, max_reach = 0.05;
+  constexpr double max_residual = 1e-6, max_loss = 1e-8, max_reach = 0.05, min_reach = 1e-8;
   const Index n = program.variables();
   KktPoint solution{start, VectorXd::Zero(program.constraints + 2 * n), false};
   double reach = max_reach;  // the longest step allowed
@@ -143,11 +150,13 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   if (!c) return solution;
   std::vector<Index> active = nearly_active(program, *c);
   VectorXd multipliers = VectorXd::Unit(c->values.size(), active.front());
+  double last_length = HUGE_VAL;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Step step = step_with_active_set(*c, multipliers, active);
     const VectorXd d = step.d.head(n);
     const double length = d.norm();
-    if (!std::isfinite(length)) return solution;
+    // Where only steps far shorter than the model's do not lead away, the model does not hold.
+    if (!std::isfinite(length) || reach < std::min(length, min_reach)) return solution;
     VectorXd x = solution.point.x + d * std::min(1.0, reach / length);
     x = x.cwiseMax(program.lower).cwiseMin(program.upper);
     const Point point = point_of(program, x, program.functions(x).col(0));
@@ -161,8 +170,10 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
     multipliers = step.multipliers;
     solution = {point, multipliers.tail(solution.multipliers.size()),
                 length < converged && step.residual < max_residual};
-    if (length < enough) break;
-    c = model(program, x, length);
+    const bool is_rounding = length < converged && length > last_length / 2;
+    if (length < enough || is_rounding) break;
+    last_length = length;
+    c = model(program, x, length, c);
     if (!c) {
       solution.converged = false;
       break;

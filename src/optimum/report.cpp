@@ -7,7 +7,6 @@
 #include <array>
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "trebsweep/base/number.hpp"
 #include "trebsweep/base/version.hpp"
@@ -18,9 +17,7 @@
 namespace trebsweep {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-std::string unit_of(const OptimumResult& result) { return unit_text(info(result.objective).units); }
+std::string unit_of(const OptimumResult& result) { return unit_text(result.objective.unit); }
 
 /// A unit after a number: " m/s", or nothing for a number without a unit.
 std::string after_number(const std::string& unit) { return unit.empty() ? "" : " " + unit; }
@@ -30,45 +27,50 @@ std::string per(const std::string& unit, const std::string& by) {
   return after_number(unit) + (by.empty() ? "" : " per " + by);
 }
 
-std::string allowance_text(const Allowance& allowance) {
-  const auto side = [](double length, const char* direction, const std::string& limit) {
-    if (std::isinf(length)) return fmt::format("any length {}", direction);
-    return fmt::format("{:.4f} m {}", length, direction) +
-           (limit.empty() ? "" : fmt::format(" ({})", limit));
-  };
-  return fmt::format("{} or {}", side(allowance.less, "shorter", allowance.less_limit),
-                     side(allowance.more, "longer", allowance.more_limit));
-}
-
 /// An angle in radians and degrees.
 std::string angle_text(double angle, int digits) {
   return fmt::format("{:.{}g} rad ({:.4g} deg)", angle, digits,
                      angle / boost::math::double_constants::degree);
 }
 
-std::string pin_allowance_text(const OptimumResult& result) {
-  if (!result.pin_allowance) return "";
-  const auto side = [](double angle, const char* direction, const std::string& limit) {
-    if (std::isinf(angle)) return fmt::format("any angle {}", direction);
-    return fmt::format("{} {}", angle_text(angle, 4), direction) +
-           (limit.empty() ? "" : fmt::format(" ({})", limit));
+/// The words for a smaller and a larger value.
+using Comparatives = std::array<const char*, 2>;
+constexpr Comparatives shorter_or_longer{"shorter", "longer"}, less_or_more{"less", "more"};
+
+/// By how much a length or another quantity may be off.
+std::string allowance_text(const Allowance& allowance, const std::string& unit,
+                           const Comparatives& words) {
+  const auto side = [&](double amount, const char* word, const std::string& limit) {
+    const std::string reached = limit.empty() ? "" : fmt::format(" ({})", limit);
+    if (std::isinf(amount))
+      return fmt::format("any {} {}",
+                         unit == "m"     ? "length"
+                         : unit == "rad" ? "angle"
+                                         : "value",
+                         word);
+    if (unit == "rad") return fmt::format("{} {}{}", angle_text(amount, 4), word, reached);
+    if (unit == "m") return fmt::format("{:.4f} m {}{}", amount, word, reached);
+    return fmt::format("{:.4g}{} {}{}", amount, after_number(unit), word, reached);
   };
-  const auto& [less, more, less_limit, more_limit] = *result.pin_allowance;
-  return fmt::format("           pin: {} or {}\n", side(less, "less", less_limit),
-                     side(more, "more", more_limit));
+  return fmt::format("{} or {}", side(allowance.less, words[0], allowance.less_limit),
+                     side(allowance.more, words[1], allowance.more_limit));
 }
 
-/// A text, or null if it is empty.
-Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
+std::string pin_allowance_text(const OptimumResult& result) {
+  if (!result.pin_allowance) return "";
+  return fmt::format("           pin: {}\n",
+                     allowance_text(*result.pin_allowance, "rad", less_or_more));
+}
 
 /// Whether the job gives all lengths.
 bool is_given(const Job& job) {
-  const DesignSpace space = design_space(job.scene, job.lattice);
+  const DesignSpace space = design_space(job);
   return space.lower == space.upper;
 }
 
 /// What each limit is worth.
 std::string limits_text(const OptimumResult& result, const Job& job) {
+  if (result.is_on_target) return "limits     none: the target is met\n";
   if (result.unsafe) return "limits     unknown: the optimum is not a stationary point\n";
   if (!result.converged)
     return "limits     unknown: the objective or a constraint has a kink or a jump there,\n"
@@ -88,13 +90,13 @@ std::string limits_text(const OptimumResult& result, const Job& job) {
 /// Why the optimum is not the design with the largest value.
 std::string unsafe_text(const OptimumResult& result, const Job& job) {
   if (!result.unsafe) return "";
-  const auto& [design, value] = *result.unsafe;
+  const auto& [parameters, value] = *result.unsafe;
   const double deviation = job.optimum.deviation;
   return fmt::format(
       "           the best design found that tolerates lengths off by up to {}:\n"
       "           the {} jumps or falls steeply, or a constraint jumps, next to {:.9g}{} at {}\n",
-      deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %", info(result.objective).name, value,
-      after_number(unit_of(result)), to_text(design));
+      deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %", result.objective.text, value,
+      after_number(unit_of(result)), to_text(parameters, job.optimum.variables));
 }
 
 /// A field at the optimum, if it is known: "the_name 1.25 m".
@@ -104,16 +106,6 @@ std::string value_text(const OptimumResult& result, Field field, const char* nam
   const double value = std::abs(found->value) < 1e-9 ? 0 : found->value;  // rounding errors
   if (field == Field::pin_angle) return fmt::format("{} {}", name, angle_text(value, 10));
   return fmt::format("{} {:.6g}{}", name, value, after_number(unit_text(info(field).units)));
-}
-
-/// In what the optimum cannot be built: its hanger, or anything if all designs compete.
-std::vector<BuildProblem> problems(const OptimumResult& result, const Job& job) {
-  std::array<double, build_fields.size()> values;
-  std::ranges::transform(build_fields, values.begin(), [&](Field field) {
-    const auto found = std::ranges::find(result.values, field, &BuildValue::field);
-    return found == result.values.end() ? std::nan("") : found->value;
-  });
-  return build_problems(job.scene, to_build_values(values));
 }
 
 /// What a builder needs to know, a line for each kind of quantity.
@@ -150,16 +142,18 @@ std::string build_text(const OptimumResult& result) {
 
 /// The ends of the job's axes beyond which lengths that are off reach: "r1 < 0.52 m".
 std::vector<std::string> ends_crossed(const OptimumResult& result, const Job& job) {
-  const DesignSpace space = design_space(job.scene, job.lattice);
+  const DesignSpace space = design_space(job);
   const std::array axes{&job.lattice.r1, &job.lattice.r3, &job.lattice.r2};
+  const double deviation = job.optimum.deviation;
   std::vector<std::string> crossed;
-  for (std::size_t d = 0; d < 3; ++d) {
-    if (!*axes[d] || !(space.lower[d] < space.upper[d])) continue;
-    const double length = lengths(result.design)[d], deviation = job.optimum.deviation;
-    if (length - deviation < space.lower[d])
-      crossed.push_back(fmt::format("{} < {:.9g} m", length_names[d], space.lower[d]));
-    if (length + deviation > space.upper[d])
-      crossed.push_back(fmt::format("{} > {:.9g} m", length_names[d], space.upper[d]));
+  for (std::size_t d = 0; d < axes.size(); ++d) {
+    const auto i = static_cast<Eigen::Index>(d);
+    if (!*axes[d] || !(space.lower(i) < space.upper(i))) continue;
+    const double length = result.parameters(i);
+    if (length - deviation < space.lower(i))
+      crossed.push_back(fmt::format("{} < {:.9g} m", space.names[d], space.lower(i)));
+    if (length + deviation > space.upper(i))
+      crossed.push_back(fmt::format("{} > {:.9g} m", space.names[d], space.upper(i)));
   }
   return crossed;
 }
@@ -167,10 +161,10 @@ std::vector<std::string> ends_crossed(const OptimumResult& result, const Job& jo
 std::string robustness_text(const OptimumResult& result, const Job& job) {
   if (!result.robustness) return "";
   const auto [worst, expected, unreleased] = *result.robustness;
-  const std::string values =
-      unreleased ? fmt::format("no worst value, {} has no release", to_text(*unreleased))
-                 : fmt::format("worst {:.9g}, expected {:.9g}{}", worst, expected,
-                               after_number(unit_of(result)));
+  const std::string values = unreleased ? fmt::format("no worst value, {} has no release",
+                                                      to_text(*unreleased, job.optimum.variables))
+                                        : fmt::format("worst {:.9g}, expected {:.9g}{}", worst,
+                                                      expected, after_number(unit_of(result)));
   std::string text =
       fmt::format("deviation  lengths off by up to {} m: {}\n", job.optimum.deviation, values);
   if (const auto crossed = ends_crossed(result, job); !crossed.empty())
@@ -180,13 +174,21 @@ std::string robustness_text(const OptimumResult& result, const Job& job) {
 }
 
 /// How precisely to build.
-std::string precision_text(const OptimumResult& result) {
+std::string precision_text(const OptimumResult& result, const Job& job) {
+  const DesignSpace space = design_space(job);
+  std::vector<std::size_t> order{0, 2, 1};  // r1, r2, r3
+  for (std::size_t d = order.size(); d < space.names.size(); ++d) order.push_back(d);
   std::string text;
-  for (const std::size_t d : {0u, 2u, 1u})  // r1, r2, r3
-    text +=
-        fmt::format("{:10} {}: {}; gradient {:+.4g}, curvature {:+.4g}\n",
-                    text.empty() ? "1 % lost" : "", length_names[d],
-                    allowance_text(result.allowances[d]), result.gradient[d], result.hessian[d][d]);
+  for (const std::size_t d : order) {
+    const auto i = static_cast<Eigen::Index>(d);
+    const auto& words = d < length_count ? shorter_or_longer : less_or_more;
+    text += fmt::format("{:10} {}: {}", text.empty() ? "1 % lost" : "", space.names[d],
+                        allowance_text(result.allowances[d], space.units[d], words));
+    if (!result.is_on_target)
+      text += fmt::format("; gradient {:+.4g}, curvature {:+.4g}", result.gradient(i),
+                          result.hessian(i, i));
+    text += "\n";
+  }
   return text + pin_allowance_text(result);
 }
 
@@ -207,131 +209,66 @@ std::string sensitivities_text(const OptimumResult& result) {
   return text;
 }
 
-std::string maxima_text(const OptimumResult& result) {
+std::string maxima_text(const OptimumResult& result, const Job& job) {
   const auto& maxima = result.maxima;
   std::string text =
       fmt::format("maxima     {} found from {} start{}; {} led to the optimum\n", maxima.size(),
                   result.starts, result.starts == 1 ? "" : "s", maxima.front().starts);
   if (maxima.size() > 1)
     text += fmt::format("           the next best is {:.9g}{} at {}\n", maxima[1].value,
-                        after_number(unit_of(result)), to_text(maxima[1].design));
+                        after_number(unit_of(result)),
+                        to_text(maxima[1].parameters, job.optimum.variables));
   return text;
 }
 
-/// The least and the largest value of each length, the other two as in a design.
-Json bounds(const DesignSpace& space, const Design<double>& design) {
-  const std::array<double, 3> r = lengths(design);
-  Json all;
-  for (std::size_t d = 0; d < 3; ++d) {
-    double upper = space.upper[d];
-    if (d > 0 && space.longest_sum) upper = std::min(upper, *space.longest_sum - r[3 - d]);
-    all.push_back({space.lower[d], upper});
-  }
-  return all;
+/// In what the optimum cannot be built: its hanger, or anything if all designs compete.
+std::vector<BuildProblem> problems(const OptimumResult& result, const Job& job) {
+  std::array<double, build_fields.size()> values;
+  std::ranges::transform(build_fields, values.begin(), [&](Field field) {
+    const auto found = std::ranges::find(result.values, field, &BuildValue::field);
+    return found == result.values.end() ? std::nan("") : found->value;
+  });
+  return build_problems(job.scene, to_build_values(values));
 }
 
 }  // namespace
 
-std::string to_text(const OptimumResult& result, const Job& job) {
+Job found_job(const OptimumResult& result, const Job& job) {
+  return with_variables(job, result.parameters.tail(result.parameters.size() - length_count));
+}
+
+std::vector<std::string> warnings(const OptimumResult& result, const Job& job) {
+  std::vector<std::string> texts;
+  for (const BuildProblem& problem : problems(result, job)) texts.push_back(problem.text);
+  if (result.objective.is_distance && !result.is_on_target)
+    texts.push_back(fmt::format("the target is not met: {} is {:.6g}{} at best",
+                                result.objective.text, result.value,
+                                after_number(unit_of(result))));
+  return texts;
+}
+
+std::string to_text(const OptimumResult& result, const Job& given_job) {
+  const Job job = found_job(result, given_job);
   const std::string unit = after_number(unit_of(result));
   const Solver solver = solver_of("vern8", 1e-13, job.solver);
   std::string text =
       fmt::format("scene      {}\nsolver     {}\n", scene_text(job), solver_text(solver));
-  text += fmt::format("optimum    {} {:.10g}{}, error {:.1g}\n", info(result.objective).name,
+  text += fmt::format("optimum    {} {:.10g}{}, error {:.1g}\n", result.objective.text,
                       result.value, unit, result.error);
   text += unsafe_text(result, job);
-  text += fmt::format("design     {}, released at {:.8g} s\n", to_text(result.design),
-                      result.release_time);
-  if (const auto faults = problems(result, job); !faults.empty())
-    text += fmt::format("warning    {}\n", to_text(faults));
-  text += build_text(result) + limits_text(result, job) + precision_text(result);
+  text += fmt::format("design     {}, released at {:.8g} s\n",
+                      to_text(result.parameters, job.optimum.variables), result.release_time);
+  for (const std::string& warning : warnings(result, job))
+    text += fmt::format("warning    {}\n", warning);
+  text += build_text(result) + limits_text(result, job) + precision_text(result, job);
   text += robustness_text(result, job);
-  text += maxima_text(result);
+  text += maxima_text(result, job);
   text += fmt::format("designs    {}", result.designs);
   if (result.coarse_increment > 0)
     text +=
         fmt::format(", those of the coarse sweep with a spacing of {} m", result.coarse_increment);
-  text += fmt::format("\nseconds    {:.2f}\n\n", result.seconds);
-  return text + sensitivities_text(result);
-}
-
-std::string to_json(const OptimumResult& result, const Job& job) {
-  Json json{{"objective", info(result.objective).name},
-            {"value", result.value},
-            {"error", result.error},
-            {"r1", result.design.r1},
-            {"r3", result.design.r3},
-            {"r2", result.design.r2},
-            {"release_time", result.release_time},
-            {"converged", result.converged},
-            {"unsafe", Json()},
-            {"warnings", Json::array()},
-            {"values", Json::object()},
-            {"constraints", Json::array()},
-            {"build_constraints", Json::array()},
-            {"active", Json::array()},
-            {"bounds", bounds(design_space(job.scene, job.lattice), result.design)},
-            {"gradient", result.gradient},
-            {"hessian", result.hessian},
-            {"one_percent_loss", Json::array()},
-            {"one_percent_limit", Json::array()},
-            {"pin_angle_loss", Json()},
-            {"pin_angle_limit", Json()},
-            {"range_with_wind", Json()},
-            {"sensitivity", Json::object()},
-            {"sensitivity_of_optimum", Json::object()},
-            {"worst", result.robustness ? Json(result.robustness->worst) : Json()},
-            {"expected", result.robustness ? Json(result.robustness->expected) : Json()},
-            {"maxima", Json::array()},
-            {"starts", result.starts},
-            {"starts_at_best", result.maxima.front().starts},
-            {"coarse_increment", result.coarse_increment},
-            {"designs", result.designs},
-            {"seconds", result.seconds},
-            {"units", Json::object()},
-            {"constraint_units", Json::object()},
-            {"version", version_text()},
-            {"job", to_text(job)}};
-  if (const auto& unsafe = result.unsafe)
-    json["unsafe"] = {{"value", unsafe->value},
-                      {"r1", unsafe->design.r1},
-                      {"r3", unsafe->design.r3},
-                      {"r2", unsafe->design.r2}};
-  for (const BuildProblem& problem : problems(result, job))
-    json["warnings"].push_back(problem.text);
-  for (const auto& [field, value] : result.values) {
-    json["values"][info(field).name] = value;
-    json["units"][info(field).name] = info(field).units;
-  }
-  json["units"][info(result.objective).name] = info(result.objective).units;
-  for (const Constraint& c : constraints_of(job)) json["constraints"].push_back(to_text(c));
-  const auto searched = searched_job(job).optimum.constraints;
-  for (const Field field : fields_of(searched)) json["units"][info(field).name] = info(field).units;
-  for (const Constraint& c : searched)
-    json["constraint_units"][c.expression.text] = c.expression.unit;
-  for (std::size_t i = job.optimum.constraints.size(); i < searched.size(); ++i)
-    json["build_constraints"].push_back(to_text(searched[i]));
-  for (const ActiveLimit& limit : result.active)
-    json["active"].push_back({{"constraint", limit.constraint}, {"multiplier", limit.multiplier}});
-  for (const Allowance& allowance : result.allowances) {
-    json["one_percent_loss"].push_back({allowance.less, allowance.more});
-    json["one_percent_limit"].push_back(
-        {text_or_null(allowance.less_limit), text_or_null(allowance.more_limit)});
-  }
-  if (const auto& pin = result.pin_allowance) {
-    json["pin_angle_loss"] = {pin->less, pin->more};
-    json["pin_angle_limit"] = {text_or_null(pin->less_limit), text_or_null(pin->more_limit)};
-  }
-  if (const auto& wind = result.range_with_wind)
-    json["range_with_wind"] = {{"less", wind->less}, {"more", wind->more}};
-  for (const auto& [key, sensitivity] : result.sensitivities) {
-    json["sensitivity"][key] = sensitivity.at_design;
-    json["sensitivity_of_optimum"][key] = sensitivity.of_optimum;
-  }
-  for (const LocalMaximum& m : result.maxima)
-    json["maxima"].push_back(
-        {{"r1", m.design.r1}, {"r3", m.design.r3}, {"r2", m.design.r2}, {"value", m.value}});
-  return json.dump(2);
+  text += fmt::format("\nseconds    {:.2f}\n", result.seconds);
+  return result.is_on_target ? text : text + "\n" + sensitivities_text(result);
 }
 
 }  // namespace trebsweep

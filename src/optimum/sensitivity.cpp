@@ -18,11 +18,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Zero as a value of these means that the scene lacks the effect. Their effect is not continuous
-/// there.
-constexpr std::array<std::string_view, 3> absent_if_zero{
-    "scene.sling-stiffness", "scene.counterweight-hanger", "scene.projectile-diameter"};
-
 constexpr int levels = 12;
 
 std::optional<double> number_of(const Job& job, const Key& key) {
@@ -30,26 +25,26 @@ std::optional<double> number_of(const Job& job, const Key& key) {
   return parse_number(key.get(job), value) ? std::optional(value) : std::nullopt;
 }
 
-/// The objective and the constrained expressions at a design, and the limits, with another value of
-/// a key; NaN if the key does not allow it. Limits of fields do not depend on the scene.
+/// The objective and the constrained expressions at parameters, the excesses over the limits of the
+/// space, and the bounds, with another value of a key; NaN if the key does not allow it.
 VectorXd values_with(const Job& job, const Key& key, double value, const DesignProblem& problem,
-                     const Design<double>& design) {
-  const auto functions = static_cast<Index>(problem.constraints.size()) + 1;
-  const auto bounds = static_cast<Index>(limits(problem).size()) - (functions - 1);
-  VectorXd all = VectorXd::Constant(functions + bounds, std::nan(""));
+                     const Parameters& parameters) {
+  VectorXd all = VectorXd::Constant(1 + std::ssize(limits(problem)), std::nan(""));
   Job varied = job;
   DesignSpace space;
   try {
     key.set(varied, fmt::format("{}", value));
-    space = design_space(varied.scene, varied.lattice);
+    space = design_space(varied);
   } catch (const std::runtime_error&) {  // an InputError or NoOptimum
     return all;
   }
-  all.head(functions) = quantities(problem, varied.scene, varied.solver, {&design, 1});
+  const Index functions = 1 + std::ssize(problem.constraints);
+  all.head(functions) = quantities(problem, machine_of(varied), parameters);
   Index i = functions;
-  if (has_sum(problem)) all(i++) = *space.longest_sum;
+  for (const SpaceLimit& limit : problem.space.limits)
+    all(i++) = limit.excess(varied.scene, to_design(parameters));
   for (const auto* bound : {&space.lower, &space.upper})
-    for (const std::size_t d : problem.variables) all(i++) = (*bound)[d];
+    for (const Index d : problem.free) all(i++) = (*bound)(d);
   return all;
 }
 
@@ -61,7 +56,8 @@ std::vector<std::string> numeric_scene_keys(const Job& job) {
   for (const Key& key : job_keys()) {
     const auto value = number_of(job, key);
     if (key.section() != "scene" || !value || unused.contains(key.name)) continue;
-    if (*value == 0 && std::ranges::count(absent_if_zero, key.name) > 0) continue;
+    if (std::ranges::count(job.optimum.variables, key.name, &Variable::key) > 0) continue;
+    if (*value == 0 && is_absent_at_zero(key.name)) continue;
     if (key.name == "scene.sling-damping" && job.scene.sling_stiffness == 0) continue;
     names.push_back(key.name);
   }
@@ -69,10 +65,10 @@ std::vector<std::string> numeric_scene_keys(const Job& job) {
 }
 
 Sensitivity sensitivity(const Job& job, const DesignProblem& problem, const std::string& name,
-                        const Design<double>& design, const VectorXd& derivatives) {
+                        const Parameters& parameters, const VectorXd& derivatives) {
   const auto& key = *std::ranges::find(job_keys(), name, &Key::name);
   const double value = number_of(job, key).value();
-  const auto at = [&](double v) { return values_with(job, key, v, problem, design); };
+  const auto at = [&](double v) { return values_with(job, key, v, problem, parameters); };
   const VectorXd here = at(value);
 
   double step = accurate_steps.largest * std::abs(value);
@@ -101,9 +97,9 @@ Sensitivity sensitivity(const Job& job, const DesignProblem& problem, const std:
     return found.error <= doubtful ? found.value : std::nan("");
   };
 
-  // derivatives(i) is that of the optimum when limit i grows. An expression that grows by as much
-  // leaves that much less to its limit.
-  const auto functions = static_cast<Index>(problem.constraints.size()) + 1;
+  // derivatives(i) is that of the optimum when limit i grows. An expression or excess that grows by
+  // as much leaves that much less to its limit.
+  const Index functions = 1 + std::ssize(problem.constraints) + std::ssize(problem.space.limits);
   double of_optimum = derivative(0);
   for (Index i = 0; i < derivatives.size(); ++i)
     if (derivatives(i) != 0)

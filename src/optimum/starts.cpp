@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "trebsweep/optimum/coarse_grid.hpp"
 #include "trebsweep/optimum/coarse_sweep.hpp"
 #include "trebsweep/optimum/nonlinear_program.hpp"
 
@@ -21,11 +22,11 @@ void add_starts(const CoarseSweep& sweep, std::size_t count, Starts& starts) {
   for (std::size_t i = 0; i < sweep.violations.size(); ++i)
     starts.violations[i] += sweep.violations[i];
   if (starts.feasible && !sweep.feasible) return;
-  if (sweep.feasible && !starts.feasible) starts.designs.clear();
+  if (sweep.feasible && !starts.feasible) starts.parameters.clear();
   starts.feasible = sweep.feasible;
   const std::size_t most = sweep.feasible ? count : 2;
   for (std::size_t i = 0; i < std::min(most, sweep.maxima.size()); ++i)
-    starts.designs.push_back(sweep.maxima[i]);
+    starts.parameters.push_back(sweep.maxima[i]);
 }
 
 }  // namespace
@@ -34,17 +35,21 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
   const CoarsePlan plan = plan_coarse_sweep(job);
   Job coarse = job;
   coarse.solver.max_time = plan.max_time;
-  if (!own_lattice) coarse.lattice = coarse_lattice(job.scene, job.lattice, plan.designs);
-  const CoarseSweep sweep = coarse_sweep(coarse, coarse.lattice, style, comm);
+  const Eigen::MatrixXd scenes = coarse_scenes(job, plan.designs);
+  if (!own_lattice)
+    coarse.lattice = coarse_lattice(job.scene, job.lattice,
+                                    plan.designs / static_cast<std::uint64_t>(scenes.cols()));
+  const CoarseSweep sweep = coarse_sweep(coarse, coarse.lattice, scenes, style, comm);
   Starts starts;
   starts.increment = sweep.increment;
   starts.violations.resize(sweep.violations.size());
   add_starts(sweep, max_starts, starts);
   // Swings next to r1 = 0 take long: too long to search for a first feasible design there.
-  const bool has_edge = !own_lattice && (sweep.feasible || arm_bounds(job.scene).low > 0);
+  const bool has_edge = job.optimum.variables.empty() && !own_lattice &&
+                        (sweep.feasible || arm_bounds(job.scene).low > 0);
   if (const auto edge = edge_lattice(job.scene, coarse.lattice); edge && has_edge)
-    add_starts(coarse_sweep(coarse, *edge, style, comm), max_edge_starts, starts);
-  if (starts.designs.empty())
+    add_starts(coarse_sweep(coarse, *edge, scenes, style, comm), max_edge_starts, starts);
+  if (starts.parameters.empty())
     throw NoOptimum(
         fmt::format("nothing is released: none of {} designs with a spacing of {} m has a release",
                     starts.integrated, starts.increment));
@@ -52,9 +57,9 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
 }
 
 void refuse_constraints(const DesignProblem& problem, const Starts& starts) {
-  const Design<double>& closest = starts.designs.front();
+  const Parameters& closest = starts.parameters.front();
   const auto most = std::ranges::max_element(starts.violations);
-  const Eigen::VectorXd values = quantities(problem, problem.scene, problem.solver, {&closest, 1});
+  const Eigen::VectorXd values = quantities(problem, problem.machine, closest);
   std::vector<std::string> violated;
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const Constraint& constraint = problem.constraints[i];
@@ -64,13 +69,14 @@ void refuse_constraints(const DesignProblem& problem, const Starts& starts) {
   }
   if (violated.empty() || starts.checked == 0)
     throw NoOptimum(fmt::format("no search from {} designs ends at one that is released{}{}",
-                                starts.designs.size(), violated.empty() ? "" : " and satisfies ",
+                                starts.parameters.size(), violated.empty() ? "" : " and satisfies ",
                                 fmt::join(violated, " and ")));
   throw NoOptimum(fmt::format(
       "the constraints exclude every design found: {} excludes {} of {} checked; the closest is "
       "{}, which violates {}",
       to_text(problem.constraints[static_cast<std::size_t>(most - starts.violations.begin())]),
-      *most, starts.checked, to_text(closest), fmt::join(violated, " and ")));
+      *most, starts.checked, to_text(closest, problem.machine.variables),
+      fmt::join(violated, " and ")));
 }
 
 }  // namespace trebsweep

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "trebsweep/swing/integrate.hpp"
 
@@ -10,12 +11,12 @@ namespace {
 
 /// The objective of a design, by another stepper than the job's.
 double accurate_value(const Job& job, const Design<double>& design) {
-  const Field objective = job.optimum.objective;
+  const Expression& objective = job.optimum.objective;
   SwingResult result;
-  double value;
+  std::vector<double> values(objective.fields.size());
   integrate_accurately(job.scene, checking_solver(job.scene, job.solver),
-                       {{&design, 1}, {&result, 1}, {&objective, 1}, {&value, 1}});
-  return value;
+                       {{&design, 1}, {&result, 1}, objective.fields, values});
+  return objective.value({job.scene, design, objective.fields, values});
 }
 
 /// By the job's solver or, with optimum.refine, accurately, as the search does.

@@ -171,7 +171,7 @@ TEST_CASE("The attributes name the objective, and hold its best value in its uni
   const TemporaryDirectory directory;
   const auto path = directory / "a.h5";
   Job job = without_maps(job_of_six_scenes());
-  job.optimum.objective = Field::impact_speed;
+  job.optimum.objective = to_expression(Field::impact_speed);
   const SmallStudy small(job);
   write_all(path, small);
   {

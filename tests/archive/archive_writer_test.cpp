@@ -111,7 +111,7 @@ TEST_CASE("An archive says which cells hold designs, in every scene") {
 
 TEST_CASE("Axes, maps and optima of a study are described, an archive of one scene has no optima") {
   Job job = job_of_six_scenes();
-  job.optimum.objective = Field::range;
+  job.optimum.objective = to_expression(Field::range);
   const TemporaryFile study("archive_of_study"), single("archive_of_scene");
   for (const auto& [file, of] : {std::pair{&study, job}, {&single, job_of_one_scene()}})
     write_together(file->path(), SmallStudy(of));

@@ -186,7 +186,7 @@ TEST_CASE("Errors and efficiencies are judged by the largest speed, not that of 
 
 TEST_CASE("Slack slings are reported of designs close to the optimum in its objective") {
   Job job = coarse_job();
-  job.optimum.objective = Field::sling_angle;
+  job.optimum.objective = to_expression(Field::sling_angle);
   const Lattice lattice(job.scene, job.lattice);
   const Design<double> design = lattice.design({4, 5, 1});
   BestDesign optimum = optimum_at(design, -2);

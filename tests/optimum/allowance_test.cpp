@@ -6,6 +6,7 @@
 
 #include "optimum/jobs.hpp"
 #include "support/catch.hpp"
+#include "trebsweep/optimum/json_report.hpp"
 #include "trebsweep/optimum/report.hpp"
 
 using namespace trebsweep;
@@ -14,9 +15,10 @@ namespace {
 
 const Design<double> best{0.51142299, 0.58339719, 0.91660281};  // the paper's optimum
 
-std::array<Allowance, 3> allowances(const Job& job, const Design<double>& design) {
+std::vector<Allowance> allowances(const Job& job, const Design<double>& design) {
   std::uint64_t integrated = 0;
-  const auto all = allowances(design_problem(job, design), design, integrated);
+  const Parameters parameters = to_parameters(design);
+  const auto all = allowances(design_problem(job, parameters), parameters, integrated);
   CHECK(integrated > 0);
   return all;
 }
@@ -24,7 +26,7 @@ std::array<Allowance, 3> allowances(const Job& job, const Design<double>& design
 /// The value at a design of which one length differs.
 double value_with(const Job& job, Design<double> design, std::size_t length, double by) {
   (length == 0 ? design.r1 : length == 1 ? design.r3 : design.r2) += by;
-  return accurate_value(job, job.optimum.objective, design);
+  return accurate_objective(job, design);
 }
 
 }  // namespace
@@ -39,7 +41,8 @@ TEST_CASE("At an allowance 1 % of the value is lost, or a bound is reached, and 
         const double allowance = sign < 0 ? all[d].less : all[d].more;
         if (std::isfinite(allowance) && (sign < 0 ? all[d].less_limit : all[d].more_limit).empty())
           CHECK(value_with(job, best, d, sign * allowance) == Approx(least).epsilon(1e-5));
-        const double reach = std::min(allowance, lengths(best)[d] / 2);
+        const double reach =
+            std::min(allowance, to_parameters(best)(static_cast<Eigen::Index>(d)) / 2);
         for (int i = 0; i < 20; ++i) CHECK(value_with(job, best, d, sign * reach * i / 20) > least);
       }
   }
@@ -130,11 +133,14 @@ TEST_CASE("The value of a fixed length is not a bound, but limits end its allowa
 
 TEST_CASE("The report names what ends an allowance") {
   OptimumResult result{};
-  result.objective = Field::speed;
-  result.allowances = {{{0.0109, 0.0151, "r1 >= 0.5", ""},
-                        {0.0156, HUGE_VAL},
-                        {0.0166, 0, "no release", "r2 + r3 <= 1.5"}}};
-  result.maxima = {{best, 1, 1, true}};
+  result.objective = to_expression(Field::speed);
+  result.parameters = to_parameters(best);
+  result.gradient = Eigen::Vector3d::Zero();
+  result.hessian = Eigen::Matrix3d::Zero();
+  result.allowances = {{0.0109, 0.0151, "r1 >= 0.5", ""},
+                       {0.0156, HUGE_VAL},
+                       {0.0166, 0, "no release", "r2 + r3 <= 1.5"}};
+  result.maxima = {{result.parameters, 1, 1, true}};
   const std::string text = to_text(result, Job{});
   CHECK_THAT(text, contains("r1: 0.0109 m shorter (r1 >= 0.5) or 0.0151 m longer; gradient"));
   CHECK_THAT(text, contains("r3: 0.0156 m shorter or any length longer; gradient"));
@@ -181,14 +187,16 @@ TEST_CASE(
     Job job = job_from(machine + "[optimum]\n" + optimum);
     const double angle = accurate_value(job, Field::pin_angle, design);
     std::uint64_t integrated = 0;
-    const auto pin = pin_allowance(design_problem(job, design), design, integrated);
+    const auto pin = pin_allowance(design_problem(job, to_parameters(design)),
+                                   to_parameters(design), integrated);
     REQUIRE(pin);
     job.solver.release = Release::pin;
+    const Field objective = field_of(job.optimum.objective).value();
     const auto value_at = [&](double by, Field field) {
       job.solver.pin_angle = angle + by;
       return accurate_value(job, field, design);
     };
-    const double least = 0.99 * value_at(0, job.optimum.objective);
+    const double least = 0.99 * value_at(0, objective);
     for (const double sign : {-1.0, 1.0}) {
       const double off = sign < 0 ? pin->less : pin->more;
       const std::string& limit = sign < 0 ? pin->less_limit : pin->more_limit;
@@ -196,9 +204,9 @@ TEST_CASE(
       if (!limit.empty())
         CHECK(value_at(sign * off, Field::peak_sling_tension) == Approx(312).epsilon(1e-5));
       else if (std::isfinite(off))
-        CHECK(value_at(sign * off, job.optimum.objective) == Approx(least).epsilon(1e-5));
+        CHECK(value_at(sign * off, objective) == Approx(least).epsilon(1e-5));
       for (int i = 0; i < 10; ++i)
-        CHECK(value_at(sign * std::min(off, 1.0) * i / 10, job.optimum.objective) > least);
+        CHECK(value_at(sign * std::min(off, 1.0) * i / 10, objective) > least);
     }
   }
 }
@@ -206,5 +214,6 @@ TEST_CASE(
 TEST_CASE("A release that no pin makes has no allowance of the pin's angle") {
   const Job job = job_with({{"solver.release-angle", "0.5"}});  // phi1 - phi2 still grows
   std::uint64_t integrated = 0;
-  CHECK_FALSE(pin_allowance(design_problem(job, best), best, integrated));
+  const Parameters parameters = to_parameters(best);
+  CHECK_FALSE(pin_allowance(design_problem(job, parameters), parameters, integrated));
 }

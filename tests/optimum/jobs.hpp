@@ -5,6 +5,7 @@
 
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/job/key.hpp"
+#include "trebsweep/optimum/design_space.hpp"
 #include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
@@ -21,6 +22,30 @@ inline std::vector<double> accurate_values(const Job& job, Field field,
 
 inline double accurate_value(const Job& job, Field field, const Design<double>& design) {
   return accurate_values(job, field, {&design, 1})[0];
+}
+
+/// The values of the objective, which is a field.
+inline std::vector<double> accurate_objectives(const Job& job,
+                                               std::span<const Design<double>> designs) {
+  return accurate_values(job, field_of(job.optimum.objective).value(), designs);
+}
+
+inline double accurate_objective(const Job& job, const Design<double>& design) {
+  return accurate_objectives(job, {&design, 1})[0];
+}
+
+/// Designs as parameters, a column each.
+inline Eigen::MatrixXd to_parameters(const std::vector<Design<double>>& designs) {
+  Eigen::MatrixXd all(length_count, designs.size());
+  for (Eigen::Index i = 0; const Design<double>& design : designs)
+    all.col(i++) = to_parameters(design);
+  return all;
+}
+
+/// By how much r2 + r3 is beyond its limit; negative without one.
+inline double sum_excess(const Job& job, const Design<double>& design) {
+  const DesignSpace space = design_space(job);
+  return space.limits.empty() ? -1 : space.limits.front().excess(job.scene, design);
 }
 
 /// The designs of a cube with `width` points along each edge around a centre.

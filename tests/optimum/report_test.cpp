@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/catch.hpp"
+#include "trebsweep/optimum/json_report.hpp"
 
 using namespace trebsweep;
 
@@ -12,21 +13,23 @@ namespace {
 /// A result in which every number is different.
 OptimumResult some_result() {
   OptimumResult result{};
-  result.objective = Field::range;
-  result.design = {0.51142299, 0.58339719, 0.91660281};
+  result.objective = to_expression(Field::range);
+  result.parameters = to_parameters({0.51142299, 0.58339719, 0.91660281});
   result.value = 26.678157123456789;
   result.error = 2e-13;
   result.release_time = 0.89337;
   result.converged = true;
   result.active = {{"peak-axle-load <= 150000", "N", 1.5e-4}, {"r2 + r3 <= 1.5", "m", 9.5187}};
-  result.gradient = {1.25, 2.5, -3.75};
-  result.hessian = {{{-11, 12, 13}, {12, -22, 23}, {13, 23, -33}}};
-  result.allowances = {{{0.0101, 0.0151}, {0.0156, HUGE_VAL}, {0.0166, 0.3228}}};
+  result.gradient = Eigen::Vector3d(1.25, 2.5, -3.75);
+  result.hessian = Eigen::MatrixXd{{-11, 12, 13}, {12, -22, 23}, {13, 23, -33}};
+  result.allowances = {{0.0101, 0.0151}, {0.0156, HUGE_VAL}, {0.0166, 0.3228}};
+  result.bounds = {{0.5, 1.5}, {0.3, 1.5 - 0.91660281}, {0, 1.5 - 0.58339719}};
   result.pin_allowance = {0.0317, HUGE_VAL, "", ""};
   result.range_with_wind = {25.875, 27.125};
   result.values = {{Field::pin_angle, 0.7853981633974483}};
   result.sensitivities = {{"gravity", {9.8, 0.865, 0.875}}, {"sling-mass", {0, -0.01, -0.02}}};
-  result.maxima = {{result.design, result.value, 3, true}, {{0.6, 0.7, 0.8}, 20.5, 1, true}};
+  result.maxima = {{result.parameters, result.value, 3, true},
+                   {to_parameters({0.6, 0.7, 0.8}), 20.5, 1, true}};
   result.coarse_increment = 0.02;
   result.starts = 4;
   result.designs = 123456;
@@ -77,7 +80,7 @@ TEST_CASE("The JSON object has the documented keys, and the values of the result
 
 TEST_CASE("The text has the value, the design, what each limit is worth, and the next best") {
   Job job;
-  job.optimum.objective = Field::range;
+  job.optimum.objective = to_expression(Field::range);
   job.optimum.deviation = 0.003;
   OptimumResult result = some_result();
   const std::string text = to_text(result, job);
@@ -96,7 +99,7 @@ TEST_CASE("The text has the value, the design, what each limit is worth, and the
   CHECK_THAT(to_text(result, job), !contains("beyond an axis"));
   job.lattice.r1 = AxisRange{0.51, 0.513, 0.001};
   CHECK_THAT(to_text(result, job), contains("beyond an axis: r1 < 0.51 m, r1 > 0.513 m\n"));
-  result.robustness = Robustness{NAN, NAN, Design<double>{0.5, 0.58, 0.91}};
+  result.robustness = Robustness{NAN, NAN, to_parameters({0.5, 0.58, 0.91})};
   CHECK_THAT(to_text(result, job),
              contains("no worst value, r1 = 0.5000000, r2 = 0.9100000, r3 = 0.5800000 m has no"));
   result.active.clear();

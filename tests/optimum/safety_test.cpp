@@ -9,7 +9,8 @@ namespace {
 
 bool is_safe(const Job& job, const Design<double>& design, double deviation) {
   std::uint64_t integrated = 0;
-  return is_safe(design_problem(job, design), design, deviation, integrated);
+  const Parameters parameters = to_parameters(design);
+  return are_safe(design_problem(job, parameters), parameters, deviation, integrated);
 }
 
 Job siege() {
@@ -39,8 +40,9 @@ Design<double> longer(Design<double> design, double r1) {
 
 TEST_CASE("A length may be off by the job's deviation, or by a thousandth of itself") {
   const Design<double> design{.r1 = 1, .r3 = 2, .r2 = 3};
-  CHECK(tolerated(design, 0) == std::array{0.001, 0.002, 0.003});
-  CHECK(tolerated(design, 0.01) == std::array{0.01, 0.01, 0.01});
+  const DesignSpace space = design_space(Job{});
+  CHECK(tolerated(space, to_parameters(design), 0) == Eigen::Vector3d(0.001, 0.002, 0.003));
+  CHECK(tolerated(space, to_parameters(design), 0.01) == Eigen::Vector3d(0.01, 0.01, 0.01));
 }
 
 TEST_CASE("A design is safe only at a distance from designs without a release") {
@@ -59,14 +61,16 @@ TEST_CASE("A design is safe only at a distance from a steep drop of the objectiv
 }
 
 TEST_CASE("No safe design around the one found near an unsafe one is better") {
-  const Design<double> unsafe{.r1 = 0.505, .r3 = 0.58, .r2 = 0.9};
+  const Parameters unsafe = to_parameters({.r1 = 0.505, .r3 = 0.58, .r2 = 0.9});
   constexpr double deviation = 0.01;
   std::uint64_t integrated = 0;
-  const auto found = safe_design_near(design_problem(Job{}, unsafe), unsafe, deviation, integrated);
-  REQUIRE(found);
-  CHECK(is_safe(Job{}, *found, deviation));
-  const double speed = accurate_value(Job{}, Field::speed, *found);
-  for (const Design<double>& other : cube(*found, deviation / 2, 3))
+  const auto safe =
+      safe_parameters_near(design_problem(Job{}, unsafe), unsafe, deviation, integrated);
+  REQUIRE(safe);
+  const Design<double> found = to_design(*safe);
+  CHECK(is_safe(Job{}, found, deviation));
+  const double speed = accurate_value(Job{}, Field::speed, found);
+  for (const Design<double>& other : cube(found, deviation / 2, 3))
     if (accurate_value(Job{}, Field::speed, other) > speed + 1e-9)
       CHECK_FALSE((is_safe(Job{}, other, deviation) && other.r2 + other.r3 <= 1.5));
   CHECK(integrated > 26 + 53);  // designs around it, and those of one check

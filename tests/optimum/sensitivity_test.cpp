@@ -56,13 +56,13 @@ struct Optimum {
 };
 
 Optimum optimum_of(const Job& job, const Design<double>& start) {
-  Optimum optimum{design_problem(job, start), {}, 0, {}};
+  Optimum optimum{design_problem(job, to_parameters(start)), {}, 0, {}};
   std::uint64_t integrated = 0;
-  const KktPoint found =
-      search(nominal_program(optimum.problem, integrated), to_variables(optimum.problem, start));
+  const KktPoint found = search(nominal_program(optimum.problem, integrated),
+                                to_scaled(optimum.problem, to_parameters(start)));
   REQUIRE(found.converged);
   REQUIRE(is_feasible(found.point));
-  optimum.design = to_design(optimum.problem, found.point.x);
+  optimum.design = to_design(to_parameters(optimum.problem, found.point.x));
   optimum.value = found.point.objective * optimum.problem.scales[0];
   optimum.derivatives = found.multipliers;
   const std::vector<Limit> all = limits(optimum.problem);
@@ -75,7 +75,7 @@ Optimum optimum_of(const Job& job, const Design<double>& start) {
 
 TEST_CASE("Sensitivities of the paper's optimum are differences of extended precision") {
   const Job job;
-  const DesignProblem problem = design_problem(job, paper);
+  const DesignProblem problem = design_problem(job, to_parameters(paper));
   for (const std::string& name : numeric_scene_keys(job)) {
     INFO(name);
     const double value = value_of(job, name);
@@ -84,7 +84,7 @@ TEST_CASE("Sensitivities of the paper's optimum are differences of extended prec
     };
     const double step = value == 0 ? step_from_zero(name) : 1e-3 * value;
     const auto none = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(limits(problem).size()));
-    const Sensitivity found = sensitivity(job, problem, name, paper, none);
+    const Sensitivity found = sensitivity(job, problem, name, to_parameters(paper), none);
     CHECK(found.value == value);
     CHECK(found.at_design == Approx(derivative(speed, value, step)).epsilon(1e-6));
     CHECK(found.of_optimum == found.at_design);
@@ -123,7 +123,7 @@ pin-angle = 0.5)");
   for (const auto& machine : machines) {
     const Job& job = machine.first;
     const Design<double>& design = machine.second;
-    const DesignProblem problem = design_problem(job, design);
+    const DesignProblem problem = design_problem(job, to_parameters(design));
     for (const std::string& name : numeric_scene_keys(job)) {
       const double value = value_of(job, name);
       if (value == 0) continue;
@@ -134,7 +134,7 @@ pin-angle = 0.5)");
       const auto none = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(limits(problem).size()));
       const double exact = derivative(speed, value, 2e-4 * std::abs(value));
       const double margin = 1e-9 * speed(value) / std::abs(value);
-      CHECK(sensitivity(job, problem, name, design, none).at_design ==
+      CHECK(sensitivity(job, problem, name, to_parameters(design), none).at_design ==
             Approx(exact).epsilon(1e-6).margin(margin));
     }
   }
@@ -173,8 +173,8 @@ TEST_CASE("The sensitivity of the optimum is that of optima found in changed sce
         return optimum_of(with_key(job, name, v), optimum.design).value;
       };
       const double h = 2e-4 * value, exact = (best(value + h) - best(value - h)) / (2 * h);
-      const Sensitivity found =
-          sensitivity(job, optimum.problem, name, optimum.design, optimum.derivatives);
+      const Sensitivity found = sensitivity(job, optimum.problem, name,
+                                            to_parameters(optimum.design), optimum.derivatives);
       CHECK(found.of_optimum == Approx(exact).epsilon(1e-3).margin(1e-5 * optimum.value / value));
     }
   }

@@ -16,7 +16,7 @@ class Optimum(CommandTest):
             "one_percent_loss", "one_percent_limit", "constraints", "build_constraints", "sensitivity",
             "sensitivity_of_optimum", "worst", "expected", "maxima", "starts", "starts_at_best", "coarse_increment",
             "designs", "seconds", "converged", "bounds", "job", "unsafe", "values", "units", "version", "pin_angle_loss",
-            "pin_angle_limit", "range_with_wind", "warnings",
+            "pin_angle_limit", "range_with_wind", "variables", "warnings",
             "constraint_units"}
 
     def optimum(self, *options, job=None, ranks=None):

@@ -78,7 +78,7 @@ export function readJob(text, presets, core) {
 /** Keys that the page does not use, with the values for which it still shows what the program computes. */
 const assumed = {
   "solver.stepper": "vern8", "output.optimum": "all", "optimum.objective": "speed", "optimum.subject-to": "",
-  "optimum.robust": "no",
+  "optimum.minimize": "", "optimum.variables": "", "optimum.robust": "no",
 };
 const fewSteps = 50000; // which the page allows, whatever a job says
 

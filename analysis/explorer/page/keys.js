@@ -104,7 +104,7 @@ const fields = (core) => core.fields.map(({ name }) => name);
 const oneOf = (...names) => ({ kind: "choice", names: () => names });
 const stepper = oneOf(...steppers), yesNo = oneOf("no", "yes");
 const field = { kind: "choice", names: fields };
-const quantity = { kind: "choice", names: (core) => fields(core).filter((name) => !notQuantities.includes(name)) };
+const quantity = { kind: "quantity", names: (core) => fields(core).filter((name) => !notQuantities.includes(name)) };
 const integer = (low, high) =>
   ({ kind: "integer", allowed: { allows: range(low, high).allows, text: `an integer from ${low} to ${high}` } });
 const numberIn = (allowed) => ({ kind: "number", allowed });
@@ -127,7 +127,9 @@ const otherKeys = Object.entries({
   "output.storage": oneOf("float64", "float32"),
   "output.compression": integer(0, 9),
   "optimum.objective": quantity,
+  "optimum.minimize": { kind: "text" },
   "optimum.subject-to": { kind: "constraints", names: quantity.names },
+  "optimum.variables": { kind: "text" },
   "optimum.deviation": numberIn(physicalOrZero),
   "optimum.robust": oneOf("no", "worst", "expected"),
   "optimum.buildable": yesNo,

@@ -30,13 +30,16 @@ function parseAxis({ name }, text) {
   return { first, last, step };
 }
 
+/** What the program allows as a quantity; the page knows the fields only. */
+const allowedQuantities = (names) => `one of ${names.join(", ")}, or a formula with + - * / ( ) abs() of these, ` +
+  "r1, r2, r3 and numeric keys of [scene]";
+
 /** A constraint, {field, sign, limit}. */
 function parseConstraint({ name, names }, text, core) {
   const check = (valid, why) => valid || refuse(name, text, `FIELD <= NUMBER or FIELD >= NUMBER, ${why}`);
   const [, field, sign, limit] = text.match(/^(.*?)\s*([<>]=)(.*)$/) ?? [];
   check(sign, "with the sign <= or >=, which includes the limit");
-  check(names(core).includes(field), `where FIELD is one of ${names(core).join(", ")}, or a formula with + - * / ( ) abs() ` +
-    "of these, r1, r2, r3 and numeric keys of [scene]");
+  check(names(core).includes(field), `where FIELD is ${allowedQuantities(names(core))}`);
   const x = parseNumber(limit);
   check(Number.isFinite(x), "where NUMBER is finite");
   return { field, sign, limit: x };
@@ -53,6 +56,9 @@ const parsers = {
   },
   choice: (key, text, core) =>
     key.names(core).includes(text) ? text : refuse(key.name, text, allowedText(key, core)),
+  quantity: ({ name, names }, text, core) =>
+    names(core).includes(text) ? text : refuse(name, text, allowedQuantities(names(core))),
+  text: (key, text) => text,
   range: parseAxis,
   list({ name, item, isSet }, text, core) {
     const values = wordsOf(text).map((word) => valueOf({ name, ...item }, word, core));

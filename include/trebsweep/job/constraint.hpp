@@ -1,8 +1,6 @@
 #pragma once
 
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "trebsweep/job/expression.hpp"
@@ -24,12 +22,6 @@ inline double violation(const Constraint& constraint, double value) {
 
 /// The fields that constraints need, one after the other.
 std::vector<Field> fields_of(const std::vector<Constraint>& constraints);
-
-/// The field with a name, if there is one that is_quantity().
-std::optional<Field> to_quantity(std::string_view name);
-
-/// The names of the fields that are quantities, separated by commas.
-std::string quantity_names();
 
 /// The constraint as in a job file: "peak-axle-load <= 150000".
 std::string to_text(const Constraint& constraint);

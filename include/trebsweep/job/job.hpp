@@ -9,6 +9,7 @@
 #include "trebsweep/job/constraint.hpp"
 #include "trebsweep/job/lattice.hpp"
 #include "trebsweep/job/outer_axis.hpp"
+#include "trebsweep/job/variable.hpp"
 #include "trebsweep/model/scene.hpp"
 #include "trebsweep/ode/solver.hpp"
 #include "trebsweep/ode/stepper_info.hpp"
@@ -59,9 +60,10 @@ inline constexpr std::array<std::string_view, 3> robust_names{"no", "worst", "ex
 /// Which design is the optimum: that with the largest objective among those that satisfy all
 /// constraints.
 struct OptimumSpec {
-  Field objective = Field::speed;       ///< one that is_quantity()
-  std::vector<Constraint> constraints;  ///< `subject-to`
-  double deviation = 0;                 ///< m: by how much each built length may be off
+  Expression objective = to_expression(Field::speed);  ///< of at least one field
+  std::vector<Constraint> constraints;                 ///< `subject-to`
+  std::vector<Variable> variables;                     ///< searched besides the lengths
+  double deviation = 0;  ///< m: by how much each built length may be off
   Robust robust = Robust::no;
   bool refine = false;    ///< whether a sweep searches between the designs of its lattice
   bool buildable = true;  ///< whether the search is among designs that can be built

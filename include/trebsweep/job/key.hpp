@@ -39,6 +39,9 @@ struct Key {
 /// Every key, in the order of the job file.
 const std::vector<Key>& job_keys();
 
+/// Whether a scene whose value of a key is zero lacks an effect that it has with any other value.
+bool is_absent_at_zero(std::string_view name);
+
 /// The key that names a scene file. A relative path starts at the job file's directory or, if given
 /// as an option, at the working directory. It is not a Key because a Job holds the scene itself.
 inline const std::string scene_file_key = "scene.file";

@@ -53,8 +53,11 @@ KeyKind<std::string> choice(std::span<const std::string_view> names);
 /// yes or no.
 KeyKind<bool> yes_no();
 
-/// A field that is_quantity().
-KeyKind<Field> quantity();
+/// Variables of a search.
+KeyKind<std::vector<Variable>> variables();
+
+/// An expression of at least one field.
+KeyKind<Expression> expression();
 
 /// A list of constraints, separated by commas, possibly empty.
 KeyKind<std::vector<Constraint>> constraints();

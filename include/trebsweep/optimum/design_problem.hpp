@@ -1,34 +1,32 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/optimum/design_space.hpp"
+#include "trebsweep/optimum/field_values.hpp"
 #include "trebsweep/optimum/nonlinear_program.hpp"
 
 namespace trebsweep {
 
-/// The search for a job's optimum. The variables of its nonlinear programs are the lengths that are
-/// not fixed, in the order r1, r3, r2, each divided by the middle of its range.
+/// The search for a job's optimum. The variables x of its nonlinear programs are the parameters
+/// that are not fixed, each divided by its scale.
 struct DesignProblem {
-  Scene scene;
-  Solver solver;
+  Machine machine;
   DesignSpace space;
-  std::vector<Field> fields;            ///< the objective, then fields_of() the constraints
+  Expression objective;
   std::vector<Constraint> constraints;  ///< the job's; the last one is that of a taut sling, if any
+  std::vector<Field> fields;            ///< of the objective and the constraints
   std::vector<double> scales;           ///< of the objective and the constraints
-  std::vector<std::size_t> variables;   ///< indices of the lengths that are not fixed
+  std::vector<Eigen::Index> free;       ///< indices of the parameters that are not fixed
 };
 
-/// The problem of a job, scaled by the values at a design with a release.
-DesignProblem design_problem(const Job& job, const Design<double>& typical);
-
-/// Whether r2 + r3 <= h0 (49) depends on the variables.
-bool has_sum(const DesignProblem& problem);
+/// The problem of a job, scaled by the values at parameters with a release.
+DesignProblem design_problem(const Job& job, const Parameters& typical);
 
 /// The constraints on an optimum of a job: its own and, with output.optimum = taut, that of a taut
 /// sling.
@@ -46,40 +44,45 @@ std::vector<Constraint> build_constraints(const Scene& scene, const Solver& solv
 /// that its own constraints do not imply.
 Job searched_job(const Job& job);
 
-Eigen::VectorXd to_variables(const DesignProblem& problem, const Design<double>& design);
-Design<double> to_design(const DesignProblem& problem, const Eigen::VectorXd& variables);
+/// Between parameters and the variables of nonlinear programs.
+Eigen::VectorXd to_scaled(const DesignProblem& problem, const Parameters& parameters);
+Parameters to_parameters(const DesignProblem& problem, const Eigen::VectorXd& scaled);
 
-/// The length (m) by which a variable is divided.
-double length_scale(const DesignProblem& problem, std::size_t length);
+/// By what a parameter is divided: the middle of its bounds or, if that is close to zero, half of
+/// their distance.
+double scale_of(const DesignSpace& space, Eigen::Index parameter);
 
-/// The objective and the expressions of the constraints at designs of a scene, a column per design,
-/// integrated accurately.
-Eigen::MatrixXd quantities(const DesignProblem& problem, const Scene& scene, const Solver& solver,
-                           std::span<const Design<double>> designs);
+/// The objective and the expressions of the constraints at parameters, a column for each,
+/// integrated accurately in a machine.
+Eigen::MatrixXd quantities(const DesignProblem& problem, const Machine& machine,
+                           const Eigen::MatrixXd& parameters);
 
-/// The scaled objective and constraints at designs, a column per design, integrated accurately.
-Eigen::MatrixXd values_at(const DesignProblem& problem, std::span<const Design<double>> designs);
+/// The scaled objective and constraints at parameters, a column for each, integrated accurately.
+Eigen::MatrixXd values_at(const DesignProblem& problem, const Eigen::MatrixXd& parameters);
 
-/// A design that differs from the searched one by (r1, r3, r2), m, and its part in the program.
+/// The magnitude of the objective at parameters, scaled as the objective is.
+double magnitude_at(const DesignProblem& problem, const Parameters& parameters);
+
+/// Parameters that differ from the searched ones, and their part in the program.
 struct Deviation {
-  std::array<double, 3> lengths;
+  Parameters by;
   double weight;     ///< in the mean of the objectives; 0: not among the objectives
-  bool constrained;  ///< whether it must satisfy the constraints
+  bool constrained;  ///< whether the constraints hold there
 };
 
 /// What is made as large as possible over several deviations.
 enum class Aggregate { worst, mean };
 
 /// The nonlinear program of a problem, for designs with the given deviations. Its constraints are
-/// those of the first constrained deviation, of the second and so on, and r2 + r3 <= h0 (49). Adds
-/// the number of designs that it integrates to `integrated`.
+/// those of the first constrained deviation, of the second and so on, and the limits of the space.
+/// Adds the number of designs that it integrates to `integrated`.
 NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Deviation>& deviations,
                             Aggregate aggregate, std::uint64_t& integrated);
 
 /// The program of the designs themselves.
 NonlinearProgram nominal_program(const DesignProblem& problem, std::uint64_t& integrated);
 
-/// A limit of the optimum: a constraint or a bound of the lengths.
+/// A limit of the optimum: a constraint, a limit of the space or a bound of a parameter.
 struct Limit {
   std::string text;  ///< "r2 + r3 <= 1.5"
   std::string units;
@@ -87,6 +90,17 @@ struct Limit {
   /// to the limit.
   double factor;
 };
+
+/// An end of the interval in which a parameter can change, and the limits() of which it is one.
+struct IntervalEnd {
+  double value;
+  std::size_t limit;
+};
+
+/// How far a parameter can change with the others as they are: to a bound, unless the parameter is
+/// fixed, or a limit of the space. Infinite where there is no end.
+std::array<IntervalEnd, 2> interval(const DesignProblem& problem, const Parameters& parameters,
+                                    Eigen::Index parameter);
 
 /// The limits in the order of the multipliers of the programs for a single deviation.
 std::vector<Limit> limits(const DesignProblem& problem);

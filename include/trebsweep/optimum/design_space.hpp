@@ -1,11 +1,13 @@
 #pragma once
 
-#include <array>
-#include <optional>
+#include <Eigen/Core>
+#include <functional>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
-#include "trebsweep/job/lattice.hpp"
+#include "trebsweep/job/job.hpp"
 
 namespace trebsweep {
 
@@ -14,38 +16,45 @@ struct NoOptimum : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The continuous region that a lattice samples, closed: the designs with lower <= (r1, r3, r2) <=
-/// upper (m) and, unless the axis r2 is explicit, r2 + r3 <= h0 (49). The ends of a fixed length
-/// are equal.
-struct DesignSpace {
-  std::array<double, 3> lower, upper;
-  std::optional<double> longest_sum;  ///< h0, m
+/// What a search chooses: the lengths r1, r3 and r2, m, and the values of the job's variables, in
+/// the units of their keys. Several of them are the columns of a matrix.
+using Parameters = Eigen::VectorXd;
+
+/// The number of parameters that are lengths.
+inline constexpr Eigen::Index length_count = 3;
+
+/// A limit of a design space that depends on several parameters.
+struct SpaceLimit {
+  std::string text;  ///< "r2 + r3 <= 1.5"
+  /// By how much a design in a scene is beyond the limit, m.
+  std::function<double(const Scene&, const Design<double>&)> excess;
 };
 
-inline constexpr std::array<const char*, 3> length_names{"r1", "r3", "r2"};
+/// The continuous region that a lattice samples, closed, and the box of the job's variables. The
+/// ends of a fixed length are equal.
+struct DesignSpace {
+  std::vector<std::string> names;  ///< of the parameters: "r1", "counterweight-hanger"
+  std::vector<std::string> units;
+  Parameters lower, upper;
+  std::vector<SpaceLimit> limits;  ///< (47) and (49), as far as they are not bounds
 
-/// A design as the array (r1, r3, r2).
-inline std::array<double, 3> lengths(const Design<double>& design) {
-  return {design.r1, design.r3, design.r2};
-}
+  Eigen::Index size() const { return lower.size(); }
+};
 
-/// The design of such an array.
-inline Design<double> to_design(const std::array<double, 3>& r) {
-  return {.r1 = r[0], .r3 = r[1], .r2 = r[2]};
-}
+/// The design of some parameters.
+Design<double> to_design(const Eigen::Ref<const Parameters>& parameters);
 
-/// A design whose lengths differ by a multiple of (r1, r3, r2), m.
-inline Design<double> moved(const Design<double>& design, const std::array<double, 3>& by,
-                            double multiple = 1) {
-  return {.r1 = design.r1 + multiple * by[0],
-          .r3 = design.r3 + multiple * by[1],
-          .r2 = design.r2 + multiple * by[2]};
-}
+/// The lengths of a design, as the parameters of a job without variables.
+Parameters to_parameters(const Design<double>& design);
 
-/// The design to 0.1 micrometres: "r1 = 0.5114230, r2 = 0.9166028, r3 = 0.5833972 m".
-std::string to_text(const Design<double>& design);
+/// The parameters to 0.1 micrometres: "r1 = 0.5114230, r2 = 0.9166028, r3 = 0.5833972 m", and the
+/// values of the variables.
+std::string to_text(const Parameters& parameters, std::span<const Variable> variables);
 
-/// The region of a lattice. Throws NoOptimum if it is empty.
-DesignSpace design_space(const Scene& scene, const LatticeSpec& spec);
+/// The job whose variables have some values.
+Job with_variables(Job job, const Eigen::Ref<const Eigen::VectorXd>& values);
+
+/// The region of a job. Throws NoOptimum if it is empty.
+DesignSpace design_space(const Job& job);
 
 }  // namespace trebsweep

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <span>
+#include <vector>
 
 #include "trebsweep/job/job.hpp"
+#include "trebsweep/optimum/design_space.hpp"
 
 namespace trebsweep {
 
@@ -17,9 +20,27 @@ enum class Accuracy {
 /// The solver of Accuracy::coarse.
 Solver coarse_solver(const Solver& solver);
 
-/// The values of fields at designs, a row per field and a column per design; NaN without a release.
-Eigen::MatrixXd field_values(const Scene& scene, const Solver& solver, Accuracy accuracy,
-                             std::span<const Design<double>> designs,
-                             std::span<const Field> fields);
+/// The scene and the solver in which parameters are designs.
+struct Machine {
+  Scene scene;
+  Solver solver;
+  std::vector<Variable> variables;  ///< the values of these are those of the parameters
+};
+
+Machine machine_of(const Job& job);
+
+/// The machine whose variables have the values of some parameters.
+Machine at(const Machine& machine, const Eigen::Ref<const Parameters>& parameters);
+
+/// The values of fields at parameters, a row per field and a column per column of the parameters.
+/// NaN without a release, and where a key does not allow the value of a variable.
+Eigen::MatrixXd field_values(const Machine& machine, Accuracy accuracy,
+                             const Eigen::MatrixXd& parameters, std::span<const Field> fields);
+
+/// Calls f for every column of parameters, with the operands of expressions there: the values of
+/// fields are the columns of `values`.
+void for_each_design(const Machine& machine, const Eigen::MatrixXd& parameters,
+                     std::span<const Field> fields, const Eigen::MatrixXd& values,
+                     const std::function<void(Eigen::Index column, const Operands&)>& f);
 
 }  // namespace trebsweep

@@ -15,33 +15,32 @@ namespace trebsweep {
 
 /// A local maximum of the objective, under the constraints.
 struct LocalMaximum {
-  Design<double> design;
+  Parameters parameters;
   double value;
   std::uint64_t starts;  ///< number of searches that reached it
   bool converged;
 };
 
-/// The end of a search, with up to three variables.
+/// The end of a search, in the variables of the nonlinear program.
 struct Found {
-  std::array<double, 3> x;
+  std::array<double, length_count + max_variables> x;
   double objective, violation;
   bool converged;
   std::uint64_t integrated;
 };
 
-/// A search from a design, which adds the number of designs that it integrates to `integrated`.
-using Search = std::function<KktPoint(const Design<double>& start, std::uint64_t& integrated)>;
+/// A search from parameters, which adds the number of designs that it integrates to `integrated`.
+using Search = std::function<KktPoint(const Parameters& start, std::uint64_t& integrated)>;
 
-/// Searches from designs, each on one of the ranks, and returns the feasible ends, best first. Adds
-/// to `integrated`. Collective.
-std::vector<Found> find_maxima(const std::vector<Design<double>>& starts, const Search& search,
+/// Searches from several parameters, each on one of the ranks, and returns the feasible ends, best
+/// first. Adds to `integrated`. Collective.
+std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Search& search,
                                ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated);
 
 /// The same by the nominal program of a problem: quick searches, and thorough ones from the best
 /// ends of those that did not converge, unless they are far below the best of those that did.
-std::vector<Found> find_maxima(const std::vector<Design<double>>& starts,
-                               const DesignProblem& problem, ProgressStyle style, MPI_Comm comm,
-                               std::uint64_t& integrated);
+std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const DesignProblem& problem,
+                               ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated);
 
 /// The distinct ones of sorted ends of searches, each with the number of searches that ended there.
 std::vector<LocalMaximum> distinct(const std::vector<Found>& found, const DesignProblem& problem);

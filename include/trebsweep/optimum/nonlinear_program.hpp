@@ -16,7 +16,8 @@ struct NonlinearProgram {
   Functions functions;  ///< the objectives, then the constraints
   Eigen::Index objectives, constraints;
   Eigen::VectorXd lower, upper;
-  Eigen::Index cost = 1;  ///< of the functions at a point, in swings
+  /// Of points that differ only in the first variables, so many, many cost little more than one.
+  Eigen::Index cheap_variables = lower.size();
 
   Eigen::Index variables() const { return lower.size(); }
 };

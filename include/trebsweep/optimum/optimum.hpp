@@ -40,28 +40,32 @@ struct WindRange {
 
 /// A better design than the optimum, next to which the objective jumps.
 struct UnsafeDesign {
-  Design<double> design;
+  Parameters parameters;
   double value;
 };
 
-/// The best design of a job. Vectors and matrices of lengths are in the order r1, r3, r2.
+/// The best design of a job.
 struct OptimumResult {
-  Field objective;
-  Design<double> design;
-  double value;         ///< of the objective
+  Expression objective;
+  Parameters parameters;
+  double value;  ///< of the objective
+  /// Whether the objective is the negative distance to a target, which is met: derivatives, active
+  /// limits and sensitivities do not exist there.
+  bool is_on_target;
   double error;         ///< of the value: its distance from the value in extended precision
   double release_time;  ///< s
   /// Whether the conditions of Karush, Kuhn and Tucker hold. Not where a function has a kink at the
-  /// optimum, or designs next to it have no release.
+  /// optimum, as on a target, or designs next to it have no release.
   bool converged;
   std::optional<UnsafeDesign> unsafe;  ///< if there is one, the optimum is the best safe design
   std::vector<BuildValue> values;      ///< what a builder needs to know
   std::vector<ActiveLimit> active;     ///< empty if not converged
-  std::array<double, 3> gradient;      ///< of the objective, per m
-  std::array<std::array<double, 3>, 3> hessian;  ///< per m^2
-  std::array<Allowance, 3> allowances;
-  std::optional<Allowance> pin_allowance;    ///< unless no pin makes the release
-  std::optional<WindRange> range_with_wind;  ///< of a projectile that feels drag, with that pin
+  Eigen::VectorXd gradient;            ///< of the objective, with respect to the parameters
+  Eigen::MatrixXd hessian;
+  std::vector<Allowance> allowances;          ///< of the parameters
+  std::vector<std::array<double, 2>> bounds;  ///< of each parameter, with the others as they are
+  std::optional<Allowance> pin_allowance;     ///< unless no pin makes the release
+  std::optional<WindRange> range_with_wind;   ///< of a projectile that feels drag, with that pin
   /// By the keys of the scene, without the section.
   std::vector<std::pair<std::string, Sensitivity>> sensitivities;
   std::optional<Robustness> robustness;  ///< under the job's deviation, if it has one

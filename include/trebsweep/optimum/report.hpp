@@ -1,17 +1,20 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "trebsweep/job/job.hpp"
 #include "trebsweep/optimum/optimum.hpp"
 
 namespace trebsweep {
 
+/// The job with the optimum's values of its variables.
+Job found_job(const OptimumResult& result, const Job& job);
+
+/// In what the optimum of a found_job() cannot be built, and whether it misses a target, as with
+/// minimize = abs(range - 50).
+std::vector<std::string> warnings(const OptimumResult& result, const Job& job);
+
 /// The result as lines of text for the user.
 std::string to_text(const OptimumResult& result, const Job& job);
-
-/// The result as a JSON object, with the bounds of the lengths and the job with all of its keys.
-/// Numbers that do not exist are null.
-std::string to_json(const OptimumResult& result, const Job& job);
 
 }  // namespace trebsweep

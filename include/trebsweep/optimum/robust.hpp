@@ -8,16 +8,17 @@
 
 namespace trebsweep {
 
-/// The objective of a design over the box of lengths that are off by up to a deviation each, those
-/// of fixed lengths included. NaN if a design in the box has no release.
+/// The objective over the box of lengths that are off by up to a deviation each: r1, r3 and r2,
+/// fixed ones included, and variables in metres. NaN if a design in the box has no release.
 struct Robustness {
   double worst;     ///< the smallest value
-  double expected;  ///< the mean, by Gauss-Legendre quadrature with seven nodes per length
-  std::optional<Design<double>> unreleased;  ///< a design in the box that has no release
+  double expected;  ///< the mean, by Gauss-Legendre quadrature with seven nodes per length, or
+                    ///< three of more than three lengths
+  std::optional<Parameters> unreleased;  ///< some in the box that have no release
 };
 
 /// `deviation` is in metres. Adds the number of designs that it integrates to `integrated`.
-Robustness robustness(const DesignProblem& problem, const Design<double>& design, double deviation,
+Robustness robustness(const DesignProblem& problem, const Parameters& parameters, double deviation,
                       std::uint64_t& integrated);
 
 /// The part of a design space whose designs may be off by a deviation (m) without a length that is
@@ -28,7 +29,7 @@ DesignSpace robust_space(const Scene& scene, DesignSpace space, double deviation
 /// designs within the deviation satisfy the constraints. Its multipliers are those of the nominal
 /// program's constraints. The worst cases are those of the vertices of the box and of deviations
 /// that are found to be worse, where constraints are checked as well (exchange method).
-KktPoint robust_search(const DesignProblem& problem, const Design<double>& start, Robust robust,
+KktPoint robust_search(const DesignProblem& problem, const Parameters& start, Robust robust,
                        double deviation, std::uint64_t& integrated);
 
 }  // namespace trebsweep

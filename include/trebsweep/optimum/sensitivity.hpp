@@ -12,19 +12,20 @@ namespace trebsweep {
 /// How an optimum depends on a numeric key of the scene.
 struct Sensitivity {
   double value;       ///< of the key
-  double at_design;   ///< d objective / d key, the lengths as they are
-  double of_optimum;  ///< d optimum / d key, the lengths optimal again; NaN of a robust optimum,
+  double at_design;   ///< d objective / d key, the parameters as they are
+  double of_optimum;  ///< d optimum / d key, the parameters optimal again; NaN of a robust optimum,
                       ///< or without multipliers
 };
 
-/// The numeric keys of the scene whose derivatives exist: those in use, except lengths and
-/// stiffnesses that are 0 because the scene lacks their effect. In the order of job_keys().
+/// The numeric keys of the scene whose derivatives exist: those in use, except variables, and
+/// lengths and stiffnesses that are 0 because the scene lacks their effect. In the order of
+/// job_keys().
 std::vector<std::string> numeric_scene_keys(const Job& job);
 
-/// The sensitivity to a key at an optimum. `derivatives` are those of the optimum with respect to
-/// limits(problem). A key that is 0 and cannot be negative has a one-sided derivative. (The
-/// derivative of the optimum follows from the envelope theorem.)
+/// The sensitivity to a key at an optimum, whose variables the job's scene has. `derivatives` are
+/// those of the optimum with respect to limits(problem). A key that is 0 and cannot be negative has
+/// a one-sided derivative. (The derivative of the optimum follows from the envelope theorem.)
 Sensitivity sensitivity(const Job& job, const DesignProblem& problem, const std::string& key,
-                        const Design<double>& design, const Eigen::VectorXd& derivatives);
+                        const Parameters& parameters, const Eigen::VectorXd& derivatives);
 
 }  // namespace trebsweep

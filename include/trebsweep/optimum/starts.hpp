@@ -10,9 +10,9 @@
 
 namespace trebsweep {
 
-/// Designs to search from, best first.
+/// Parameters to search from, best first.
 struct Starts {
-  std::vector<Design<double>> designs;
+  std::vector<Parameters> parameters;
   double increment = 0;                   ///< m: of the coarse sweep
   std::uint64_t integrated = 0;           ///< designs
   bool feasible = false;                  ///< whether the best satisfies the constraints
