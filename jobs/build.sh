@@ -11,7 +11,7 @@ packages=(cmake g++ libboost-dev libboost-program-options-dev libeigen3-dev libf
 options=(-DTREBSWEEP_TESTS=OFF) # other cached options are kept, which avoids a rebuild
 if [[ ${1:-} == --tests ]]; then
   options=(-DTREBSWEEP_TESTS=numerics -DTREBSWEEP_WERROR=ON -DTREBSWEEP_INSTRUCTION_SETS=supported)
-  packages+=(catch2 libgsl-dev libsundials-dev libudunits2-dev python3-ezdxf python3-h5netcdf python3-netcdf4
+  packages+=(catch2 libgsl-dev libnlopt-dev libsundials-dev libudunits2-dev python3-ezdxf python3-h5netcdf python3-netcdf4
              python3-xarray)
 fi
 

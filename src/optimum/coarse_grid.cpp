@@ -94,7 +94,7 @@ MatrixXd coarse_scenes(const Job& job, std::uint64_t designs) {
   const auto k = std::ssize(variables);
   if (k == 0) return MatrixXd(0, 1);
   const double part = static_cast<double>(k) / static_cast<double>(k + free_lengths(job));
-  const auto count = static_cast<Index>(std::ceil(std::pow(static_cast<double>(designs), part)));
+  const auto count = static_cast<Index>(std::lround(std::pow(static_cast<double>(designs), part)));
   MatrixXd scenes(k, count);
   boost::random::sobol sequence(variables.size());
   for (auto scene : scenes.colwise())

@@ -92,3 +92,36 @@ TEST_CASE("A text that is too long is no expression, however deep its parenthese
       CHECK(to_expression(formula).has_value() == (count == 300));
     }
 }
+
+TEST_CASE(
+    "The magnitude of a sum is that of its largest term, of anything else the absolute value") {
+  const auto magnitude = [](const std::string& text) {
+    const Design<double> design{0.5, 0.6, 0.9};
+    return to_expression(text).value().amount({Scene{}, design, fields, values}).magnitude;
+  };
+  CHECK(magnitude("range") == 80);
+  CHECK(magnitude("-range") == 80);
+  CHECK(magnitude("range - 79") == 80);
+  CHECK(magnitude("abs(range - 100)") == 100);
+  CHECK(magnitude("(range - 100) / 2") == 50);
+  CHECK(magnitude("(range - 80) * apex") == 80 * 12.5);
+  CHECK(magnitude("apex / (r1 - 1)") == 12.5 / 0.5);
+}
+
+TEST_CASE("The negative of an expression has the opposite value, and its text in parentheses") {
+  const Expression distance = to_expression("abs(range - 50)").value();
+  const Expression opposite = negative(distance);
+  CHECK(opposite.text == "-(abs(range - 50))");
+  CHECK(value_of(opposite.text) == -30);
+  CHECK(opposite.unit == "m");
+  CHECK(distance.is_distance);
+  CHECK(to_expression(opposite.text)->is_distance);
+  CHECK_FALSE(to_expression("abs(range - 50) + apex")->is_distance);
+}
+
+TEST_CASE("An expression that is a field has its meaning; a formula is its own") {
+  CHECK(field_of(to_expression(Field::range)) == Field::range);
+  CHECK_FALSE(field_of(to_expression("2 * range").value()));
+  CHECK(meaning(to_expression(Field::range)) == info(Field::range).meaning);
+  CHECK(meaning(to_expression("2 * range").value()) == "2 * range");
+}

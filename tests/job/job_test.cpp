@@ -214,6 +214,20 @@ TEST_CASE("By default the optimum is the fastest design, without constraints") {
                                            "robust = no\nrefine = no\n"));
 }
 
+TEST_CASE("A formula may be the objective, and what is minimized is one with the opposite sign") {
+  CHECK(job_of("[optimum]\nobjective = -peak-axle-load\n").optimum.objective.text ==
+        "-peak-axle-load");
+  const Job job = job_of("[optimum]\nminimize = abs(range - 50)\n");
+  CHECK(job.optimum.objective.text == "-(abs(range - 50))");
+  CHECK(job_of(to_text(job)).optimum.objective.text == job.optimum.objective.text);
+  CHECK_THROWS_WITH(job_of("[optimum]\nobjective = r1 + r2\n"),
+                    contains("objective = r1 + r2: must be a formula with a field"));
+  CHECK_THROWS_WITH(job_of("[optimum]\nobjective = speed\nminimize = apex\n"),
+                    contains("optimum.minimize = apex: must be left out with optimum.objective"));
+  CHECK_THROWS_WITH(job_of("[optimum]\nobjective = range * beam-mass\n"),
+                    contains("must be another field unless scene.beam-mass is given"));
+}
+
 TEST_CASE("The objective and the constraints of an optimum survive a round trip through text") {
   const std::string text = R"([optimum]
 objective = range

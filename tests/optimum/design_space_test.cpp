@@ -1,5 +1,6 @@
 #include "trebsweep/optimum/design_space.hpp"
 
+#include "optimum/jobs.hpp"
 #include "support/catch.hpp"
 
 using namespace trebsweep;
@@ -70,4 +71,28 @@ TEST_CASE("An empty design space names the length and its bounds") {
 TEST_CASE("A design is printed to 0.1 micrometres, in the order r1, r2, r3") {
   CHECK(to_text(to_parameters({0.51142299, 0.58339719, 0.91660281}), {}) ==
         "r1 = 0.5114230, r2 = 0.9166028, r3 = 0.5833972 m");
+}
+
+TEST_CASE("Bounds that depend on a variable become limits, which are those of each scene") {
+  const Job job = job_with({{"optimum.variables", "fulcrum-height 1.2:1.8, release-height 1:2.2"}});
+  const DesignSpace space = design_space(job);
+  CHECK(space.names ==
+        std::vector<std::string>{"r1", "r3", "r2", "fulcrum-height", "release-height"});
+  CHECK(space.units == std::vector<std::string>(5, "m"));
+  CHECK(space.lower(0) == 0);  // h - h0 < 0 in some scenes
+  CHECK(space.upper(0) == 1.8);
+  std::vector<std::string> texts;
+  for (const SpaceLimit& limit : space.limits) texts.push_back(limit.text);
+  CHECK(texts == std::vector<std::string>{"r1 >= h - h0", "r1 <= h0", "r2 + r3 <= h0"});
+  for (const double h0 : {1.2, 1.5, 1.8})
+    for (const double h : {1.0, 1.9, 2.2}) {
+      Scene scene = job.scene;
+      scene.fulcrum_height = h0;
+      scene.release_height = h;
+      const ArmBounds arm = arm_bounds(scene);
+      CHECK(space.limits[0].excess(scene, {arm.low, 0.5, 0.5}) == 0);
+      CHECK(space.limits[1].excess(scene, {arm.high, 0.5, 0.5}) == 0);
+      CHECK(space.limits[2].excess(scene, {1, 0.5, h0}) == Approx(0.5));
+    }
+  CHECK(design_space(job_with({{"optimum.variables", "gravity 9:10"}})).limits.size() == 1);
 }

@@ -126,7 +126,8 @@ class BuildSheets(ScriptTest):
         self.run_script("build_sheet.py", "empty.json", code=1, says="empty.json: is empty; did trebsweep")
 
     def test_limits_are_in_the_units_of_the_sheet(self):
-        optimum = {"constraint_units": {"peak-axle-load": "N", "efficiency": "1", "speed": "m s-1", "r1 / r2": "",
+        optimum = {"units": {"counterweight-mass": "kg"},
+                   "constraint_units": {"peak-axle-load": "N", "efficiency": "1", "speed": "m s-1", "r1 / r2": "",
                                         "2*r1": "m"}}
         for text, si, us in (("r1 + r2 <= 2.4384", "r1 + r2 <= 2.438 m", "r1 + r2 <= 8 ft 0 in"),
                              ("r2 >= 0.0254", "r2 >= 0.025 m", "r2 >= 1.00 in"),
@@ -134,6 +135,8 @@ class BuildSheets(ScriptTest):
                              ("peak-axle-load <= 2668.93297", "peak-axle-load <= 2669 N", "peak-axle-load <= 600 lbf"),
                              ("efficiency >= 0.7", "efficiency >= 0.7", "efficiency >= 0.7"),
                              ("speed >= 44.704", "speed >= 44.7 m/s", "speed >= 100.0 mph"),
+                             ("counterweight-mass <= 45.359237", "counterweight-mass <= 45.4 kg",
+                              "counterweight-mass <= 100 lb"), ("r1 <= h0 - r4",) * 3,
                              ("r1 / r2 <= 0.25", "r1 / r2 <= 0.25", "r1 / r2 <= 0.25"), ("no release",) * 3):
             self.assertEqual([build_sheet.limit_text(optimum, text, UNITS[name]) for name in ("si", "us")], [si, us])
 

@@ -123,6 +123,46 @@ class Optimum(CommandTest):
         self.assertNotEqual(paper.pop("job"), accurate.pop("job"))
         self.assertEqual(paper, accurate)
 
+    def test_variables_have_the_values_of_the_optimum_in_the_job_that_is_printed(self):
+        bounds = {"start-angle": (0.3, 1.2), "counterweight-mass": (2000, 5000)}
+        variables = ", ".join(f"{name} {low}:{high}" for name, (low, high) in bounds.items())
+        options = ("--optimum.objective", "range", "--optimum.variables", variables, "--optimum.subject-to",
+                   "peak-axle-load / counterweight-mass <= 25")
+        found = self.optimum(*options)
+        self.assertEqual(set(found["variables"]), set(bounds))
+        for name, (low, high) in bounds.items():
+            self.assertLessEqual(low, found["variables"][name])
+            self.assertLessEqual(found["variables"][name], high)
+        self.assertEqual(found["units"]["start-angle"], "rad")
+        self.assertEqual([np.shape(found[key]) for key in ("gradient", "hessian", "bounds", "one_percent_loss")],
+                         [(5,), (5, 5), (5, 2), (5, 2)])
+        job = self.write("found.cfg", found["job"])
+        lengths = [f"--{name}={found[name]!r}" for name in ("r1", "r2", "r3")]
+        trace = self.run_program("trace", job, *lengths, "--solver.tolerance", "1e-12").stdout
+        names, *rows = (line.split() for line in trace.splitlines() if not line.startswith("#"))
+        self.assertAlmostEqual(float(rows[-1][names.index("speed")]), found["values"]["speed"], places=8)
+        self.assertEqual(self.optimum(*options, ranks=2), found)
+        text = self.run_program("optimum", self.job, *options).stdout
+        self.assertIn(f"start-angle = {found['variables']['start-angle']:.7g} rad", text)
+
+    def test_a_target_is_met_or_a_warning_names_what_comes_closest(self):
+        near = self.optimum("--optimum.minimize", "abs(range - 15)")
+        self.assertAlmostEqual(near["values"]["range"], 15, places=7)
+        self.assertEqual((near["warnings"], near["converged"], near["gradient"]), ([], False, [None] * 3))
+        farthest = self.optimum("--optimum.objective", "range")
+        far = self.optimum("--optimum.minimize", "abs(range - 500)")
+        self.assertAlmostEqual(far["value"], farthest["value"] - 500, places=8)
+        self.assertIn("the target is not met: -(abs(range - 500)) is -4", far["warnings"][0])
+
+    def test_the_least_load_for_a_range_is_that_of_the_largest_range_for_the_load(self):
+        least = self.optimum("--optimum.objective", "-peak-axle-load", "--optimum.subject-to", "range >= 15")
+        load = -least["value"]
+        most = self.optimum("--optimum.objective", "range", "--optimum.subject-to", f"peak-axle-load <= {load!r}")
+        self.assertAlmostEqual(most["value"], 15, places=6)
+        price, gain = ({limit["constraint"].split()[0]: limit["multiplier"] for limit in found["active"]}
+                       for found in (least, most))
+        self.assertAlmostEqual(price["range"] * gain["peak-axle-load"], -1, places=4)
+
     def test_no_file_is_written(self):
         before = self.snapshot()
         self.optimum()

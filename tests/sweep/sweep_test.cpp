@@ -132,7 +132,8 @@ TEST_CASE("A sweep without a release has no optimum") {
 TEST_CASE("The fields that decide about the optimum are not stored unless they are requested") {
   const TemporaryFile file("deciding");
   Job job = coarse_job(file);
-  job.optimum = {to_expression(Field::range), {{to_expression(Field::peak_axle_load), true, 2e5}}};
+  job.optimum.objective = to_expression(Field::range);
+  job.optimum.constraints = {{to_expression(Field::peak_axle_load), true, 2e5}};
   summary_of(job);
   if (root()) {
     CHECK_NOTHROW(read_map(file.path(), "speed"));
