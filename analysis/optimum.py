@@ -58,7 +58,9 @@ def main():
     if arguments.job:
         check_new("job", arguments.job, arguments.overwrite, arguments.archive)
     archive = Archive(arguments.archive).scene(arguments.at)
-    job = job_text(accurate_job(archive.job)) if arguments.continuous else archive.attributes["job"]
+    # The search is in the archive's scene, also if the job has variables.
+    lengths_only = {**archive.job, ("optimum", "variables"): ""}
+    job = job_text(accurate_job(lengths_only)) if arguments.continuous else archive.attributes["job"]
     if arguments.job:
         write_text(arguments.job, job)
     if arguments.continuous:

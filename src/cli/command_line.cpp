@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/algorithm/string.hpp>
 #include <boost/program_options.hpp>
+#include <cmath>
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/number.hpp"
@@ -99,6 +101,24 @@ Overrides overrides_of(const po::variables_map& given) {
   return overrides;
 }
 
+/// Two objectives and, unless there are to be 20, a number of points.
+ParetoSpec to_pareto(const std::vector<std::string>& words) {
+  const std::string value = fmt::format("{}", fmt::join(words, " "));
+  std::vector<std::string> parts;
+  boost::split(parts, words[0], boost::is_any_of(","));
+  double points = 20;
+  constexpr double fewest = 3, most = 1000;
+  if (words.size() == 2 && (!parse_number(words[1], points) || points != std::round(points)))
+    points = 0;
+  if (parts.size() != 2 || words.size() > 2 || points < fewest || points > most)
+    refuse(
+        "pareto", value,
+        fmt::format("given after the job, as two objectives and a number of points from {} to {}: "
+                    "\"range, -peak-axle-load\" 20",
+                    fewest, most));
+  return {boost::trim_copy(parts[0]), boost::trim_copy(parts[1]), static_cast<std::size_t>(points)};
+}
+
 }  // namespace
 
 CommandLine parse_command_line(int argc, const char* const* argv) {
@@ -126,6 +146,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   line.overrides = overrides_of(given);
   line.overwrite = given.count("overwrite") > 0;
   line.json = given.count("json") > 0;
+  if (given.count("pareto"))
+    line.pareto = to_pareto(given["pareto"].as<std::vector<std::string>>());
   line.flight = given.count("flight") > 0;
   line.verify = given.count("verify") > 0;
   if (given.count("snapshot")) line.snapshot = text_of(given, "snapshot");

@@ -15,6 +15,7 @@
 #include "trebsweep/job/load_job.hpp"
 #include "trebsweep/job/study.hpp"
 #include "trebsweep/optimum/json_report.hpp"
+#include "trebsweep/optimum/pareto.hpp"
 #include "trebsweep/optimum/report.hpp"
 #include "trebsweep/sweep/sweep.hpp"
 #include "trebsweep/swing/kernel.hpp"
@@ -94,6 +95,13 @@ int run_optimum(const CommandLine& line) {
   const OptimumOptions options{.own_lattice = line.overrides.contains("lattice.increment"),
                                .progress = line.progress};
   try {
+    if (line.pareto) {
+      const auto front = pareto_front(job, *line.pareto, options, MPI_COMM_WORLD);
+      if (is_root())
+        print_result(line.json ? to_json(front, *line.pareto, job) + "\n"
+                               : to_text(front, *line.pareto, job));
+      return complete;
+    }
     const auto result = find_optimum(job, options, MPI_COMM_WORLD);
     if (is_root()) print_result((line.json ? to_json(*result, job) : to_text(*result, job)) + "\n");
     return complete;

@@ -42,6 +42,13 @@ is chosen, unless --lattice.increment gives it. Every design is integrated
 accurately, by vern8, whatever the job's stepper; the release window becomes a
 crossing. jobs/README.md explains the output.
 
+With optimum.variables, keys of the scene, pin-angle or release-angle are
+searched as well. The coarse sweep then has up to 300,000 designs in all, fewer
+where swings take long, in scenes of a Sobol sequence.
+
+--pareto "A, B" prints the front of two objectives instead: the largest A for B
+at equal distances, and the multiplier, how A changes along the front with B.
+
 Prints the optimum with its error, determined in extended precision; the limits
 that it reaches and how much the optimum grows with each; how far each length may
 be off before 1 % of the value is lost; with optimum.deviation the worst and the

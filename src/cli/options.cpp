@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <boost/program_options.hpp>
+#include <string>
+#include <vector>
 
 #include "trebsweep/job/key.hpp"
 
@@ -47,6 +49,9 @@ po::options_description command_options(Command command) {
       break;
     case Command::optimum:
       add("json", "print a JSON object instead of text");
+      add("pareto", po::value<std::vector<std::string>>()->multitoken()->value_name("A,B [POINTS]"),
+          "after the job: instead of one optimum, the Pareto front of two objectives, such as "
+          "\"range, -peak-axle-load\" 20; 20 points unless given");
       add("progress", text("STYLE"), "progress on stderr: auto (default), bar, lines or none");
       break;
     case Command::assess:

@@ -24,9 +24,9 @@ using Eigen::MatrixXd;
 class RankedValues {
  public:
   RankedValues(const Job& job, std::size_t total, ProgressStyle style, MPI_Comm comm)
-      : machine_(machine_of(job)), comm_(comm), progress_(0, total, style) {}
+      : machine_(family_of(job)), comm_(comm), progress_(0, total, style) {}
 
-  const Machine& machine() const { return machine_; }
+  const MachineFamily& machine() const { return machine_; }
 
   /// The values of fields at parameters, a column for each. Collective.
   MatrixXd operator()(const MatrixXd& parameters, std::span<const Field> fields) {
@@ -51,7 +51,7 @@ class RankedValues {
   }
 
  private:
-  Machine machine_;
+  MachineFamily machine_;
   MPI_Comm comm_;
   Progress progress_;
   std::size_t done_ = 0;

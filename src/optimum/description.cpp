@@ -35,7 +35,7 @@ void add_derivatives(const DesignProblem& problem, OptimumResult& result) {
 void add_value(const DesignProblem& problem, OptimumResult& result) {
   std::vector<Field> fields = result.objective.fields;
   fields.push_back(Field::release_time);
-  const Machine machine = at(problem.machine, result.parameters);
+  const MachineFamily machine = at(problem.machine, result.parameters);
   const Design<double> design = to_design(result.parameters);
   const VectorXd values =
       field_values(problem.machine, Accuracy::high, result.parameters, fields).col(0);
@@ -100,7 +100,7 @@ std::vector<std::array<double, 2>> bounds(const DesignProblem& problem,
 /// The range in other winds of a projectile that feels drag, released by the same pin.
 std::optional<WindRange> range_with_wind(const DesignProblem& problem,
                                          const Parameters& parameters) {
-  const Machine machine = at(problem.machine, parameters);
+  const MachineFamily machine = at(problem.machine, parameters);
   if (machine.scene.projectile_diameter == 0) return std::nullopt;
   const auto value = [&](Field field, const Scene& scene, const Solver& solver) {
     return field_values({scene, solver, {}}, Accuracy::high, parameters.head(length_count),

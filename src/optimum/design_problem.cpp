@@ -94,7 +94,7 @@ Job searched_job(const Job& job) {
 }
 
 DesignProblem design_problem(const Job& job, const Parameters& typical) {
-  DesignProblem problem{.machine = machine_of(job),
+  DesignProblem problem{.machine = family_of(job),
                         .space = design_space(job),
                         .objective = job.optimum.objective,
                         .constraints = constraints_of(job),
@@ -132,7 +132,7 @@ Parameters to_parameters(const DesignProblem& problem, const VectorXd& scaled) {
   return parameters;
 }
 
-MatrixXd quantities(const DesignProblem& problem, const Machine& machine,
+MatrixXd quantities(const DesignProblem& problem, const MachineFamily& machine,
                     const MatrixXd& parameters) {
   const MatrixXd fields = field_values(machine, Accuracy::high, parameters, problem.fields);
   MatrixXd values(1 + problem.constraints.size(), parameters.cols());

@@ -35,13 +35,13 @@ std::vector<Columns> by_variables(const MatrixXd& parameters) {
   return groups;
 }
 
-bool are_allowed(const Machine& machine, const Eigen::Ref<const Parameters>& parameters) {
+bool are_allowed(const MachineFamily& machine, const Eigen::Ref<const Parameters>& parameters) {
   for (Index i = length_count; const Variable& variable : machine.variables)
     if (!allows(variable, parameters(i++))) return false;
   return true;
 }
 
-Solver solver_with(const Machine& machine, Accuracy accuracy) {
+Solver solver_with(const MachineFamily& machine, Accuracy accuracy) {
   const Solver coarse = coarse_solver(machine.solver);  // of vern8
   return accuracy == Accuracy::check ? checking_solver(machine.scene, coarse) : coarse;
 }
@@ -50,16 +50,16 @@ Solver solver_with(const Machine& machine, Accuracy accuracy) {
 
 Solver coarse_solver(const Solver& solver) { return solver_of("vern8", 1e-6, solver); }
 
-Machine machine_of(const Job& job) { return {job.scene, job.solver, job.optimum.variables}; }
+MachineFamily family_of(const Job& job) { return {job.scene, job.solver, job.optimum.variables}; }
 
-Machine at(const Machine& machine, const Eigen::Ref<const Parameters>& parameters) {
-  Machine varied = machine;
+MachineFamily at(const MachineFamily& machine, const Eigen::Ref<const Parameters>& parameters) {
+  MachineFamily varied = machine;
   set_variables(machine.variables, {parameters.data() + length_count, machine.variables.size()},
                 varied.scene, varied.solver);
   return varied;
 }
 
-MatrixXd field_values(const Machine& machine, Accuracy accuracy, const MatrixXd& parameters,
+MatrixXd field_values(const MachineFamily& machine, Accuracy accuracy, const MatrixXd& parameters,
                       std::span<const Field> fields) {
   MatrixXd all = MatrixXd::Constant(static_cast<Index>(fields.size()), parameters.cols(),
                                     std::numeric_limits<double>::quiet_NaN());
@@ -71,7 +71,7 @@ MatrixXd field_values(const Machine& machine, Accuracy accuracy, const MatrixXd&
     std::vector<SwingResult> swings(designs.size());
     std::vector<double> values(fields.size() * designs.size());
     const Batch batch{designs, swings, fields, values};
-    const Machine varied = at(machine, first);
+    const MachineFamily varied = at(machine, first);
     const Solver solver = solver_with(varied, accuracy);
     if (accuracy == Accuracy::coarse)
       integrate(varied.scene, solver, batch);
@@ -84,11 +84,11 @@ MatrixXd field_values(const Machine& machine, Accuracy accuracy, const MatrixXd&
   return all;
 }
 
-void for_each_design(const Machine& machine, const MatrixXd& parameters,
+void for_each_design(const MachineFamily& machine, const MatrixXd& parameters,
                      std::span<const Field> fields, const MatrixXd& values,
                      const std::function<void(Index column, const Operands&)>& f) {
   for (const Columns& columns : by_variables(parameters)) {
-    const Machine varied = at(machine, parameters.col(columns.front()));
+    const MachineFamily varied = at(machine, parameters.col(columns.front()));
     for (const Index column : columns) {
       const Design<double> design = to_design(parameters.col(column));
       f(column, {varied.scene, design, fields, {values.col(column).data(), fields.size()}});

@@ -159,7 +159,8 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
   if (mpi::rank(comm) != 0) options.progress = ProgressStyle::none;
   const double deviation = job.optimum.deviation;
   refuse_empty_space(job);
-  const Starts starts = find_starts(job, options.own_lattice, options.progress, comm);
+  Starts starts = find_starts(job, options.own_lattice, options.progress, comm);
+  starts.parameters.insert(starts.parameters.end(), given.starts.begin(), given.starts.end());
   const Index variable_count = std::ssize(job.optimum.variables);
   OptimumResult result{};
   result.objective = job.optimum.objective;

@@ -97,7 +97,7 @@ bool are_inside(const DesignProblem& problem, const Parameters& parameters) {
   if ((parameters.array() < space.lower.array()).any() ||
       (parameters.array() > space.upper.array()).any())
     return false;
-  const Machine machine = at(problem.machine, parameters);
+  const MachineFamily machine = at(problem.machine, parameters);
   const Design<double> design = to_design(parameters);
   return std::ranges::all_of(space.limits, [&](const SpaceLimit& limit) {
     return limit.excess(machine.scene, design) <= 0;

@@ -39,7 +39,7 @@ VectorXd values_with(const Job& job, const Key& key, double value, const DesignP
     return all;
   }
   const Index functions = 1 + std::ssize(problem.constraints);
-  all.head(functions) = quantities(problem, machine_of(varied), parameters);
+  all.head(functions) = quantities(problem, family_of(varied), parameters);
   Index i = functions;
   for (const SpaceLimit& limit : problem.space.limits)
     all(i++) = limit.excess(varied.scene, to_design(parameters));

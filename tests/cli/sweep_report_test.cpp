@@ -75,7 +75,8 @@ TEST_CASE("If released designs are excluded, the text says by what") {
   job.output.optimum_filter = OptimumFilter::taut;
   CHECK_THAT(to_text(summary, job),
              contains("optimum   none: no released design has a taut sling\n"));
-  job.optimum = {to_expression(Field::range), {{to_expression(Field::apex), true, 3}}};
+  job.optimum.objective = to_expression(Field::range);
+  job.optimum.constraints = {{to_expression(Field::apex), true, 3}};
   CHECK_THAT(to_text(summary, job),
              contains("optimum   none: no released design has a finite range and has a taut sling "
                       "and satisfies the constraints\n"));
@@ -89,9 +90,9 @@ TEST_CASE("The optimum's objective is printed with its unit, and so are the cons
   job.optimum.objective = to_expression(Field::range);
   CHECK_THAT(to_text(summary, job),
              contains("optimum   range 27.01 m" + place + " with 15.50000000 m/s\n"));
-  job.optimum = {to_expression(Field::efficiency),
-                 {{to_expression(Field::peak_axle_load), true, 150000},
-                  {to_expression(Field::least_sling_tension), false, 0}}};
+  job.optimum.objective = to_expression(Field::efficiency);
+  job.optimum.constraints = {{to_expression(Field::peak_axle_load), true, 150000},
+                             {to_expression(Field::least_sling_tension), false, 0}};
   job.output.optimum_filter = OptimumFilter::taut;
   CHECK_THAT(to_text(summary, job),
              contains("optimum   efficiency 27.01" + place +

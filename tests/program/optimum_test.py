@@ -5,6 +5,7 @@ import os
 import re
 import unittest
 
+import h5py
 import numpy as np
 
 from commands import CommandTest
@@ -162,6 +163,33 @@ class Optimum(CommandTest):
         price, gain = ({limit["constraint"].split()[0]: limit["multiplier"] for limit in found["active"]}
                        for found in (least, most))
         self.assertAlmostEqual(price["range"] * gain["peak-axle-load"], -1, places=4)
+
+    def test_no_design_of_the_lattice_dominates_a_pareto_front(self):
+        constraint = ("--optimum.subject-to", "least-sling-tension >= 0")
+        front = json.loads(self.run_program("optimum", self.job, *constraint, "--json", "--pareto",
+                                            "range, -peak-axle-load", "7").stdout)
+        points = np.array([point["values"] for point in front["points"]])
+        self.assertEqual(points.shape, (7, 2))
+        self.assertTrue((np.diff(points[:, 0]) < 0).all() and (np.diff(points[:, 1]) > 0).all())
+        fields = ("range", "peak-axle-load", "least-sling-tension", "tip-clearance", "counterweight-clearance",
+                  "projectile-clearance")
+        self.run_program("sweep", self.job, "--lattice.increment", "0.02", "--output.file", "lattice.h5",
+                         "--output.fields", ", ".join(fields))
+        with h5py.File(self.path("lattice.h5")) as archive:
+            distance, load, *least = (archive[field.replace("-", "_")][:] for field in fields)
+        possible = np.all([values >= 0 for values in least], axis=0)
+        self.assertGreater(possible.sum(), 1000)
+        for value, negative_load in points:
+            self.assertFalse((possible & (distance > value + 1e-6) & (load < -negative_load - 1e-3)).any())
+        # The slope of the front is its multiplier.
+        slopes = np.gradient(points[:, 0], points[:, 1])
+        for slope, point in list(zip(slopes, front["points"]))[1:-1]:
+            if point["multiplier"] is not None:
+                self.assertAlmostEqual(point["multiplier"] / slope, 1, delta=0.2)
+        text = self.run_program("optimum", self.job, *constraint, "--pareto", "range, -peak-axle-load", "3").stdout
+        self.assertEqual(text.splitlines()[0].split(), ["range", "-peak-axle-load", "multiplier", "r1", "r2", "r3"])
+        for words in (("range",), ("range, speed, apex",), ("range, speed", "2"), ("range, speed", "x")):
+            self.run_program("optimum", self.job, "--pareto", *words, code=2)
 
     def test_no_file_is_written(self):
         before = self.snapshot()

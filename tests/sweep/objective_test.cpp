@@ -25,8 +25,8 @@ Constraint at_most(Field field, double limit) { return {to_expression(field), tr
 TEST_CASE("The objective, the constraints and a taut sling decide") {
   Job job;
   CHECK(deciding_fields(job) == Fields{Field::speed});
-  job.optimum = {to_expression(Field::range),
-                 {at_least(Field::range, 10), at_most(Field::apex, 5)}};
+  job.optimum.objective = to_expression(Field::range);
+  job.optimum.constraints = {at_least(Field::range, 10), at_most(Field::apex, 5)};
   job.output.optimum_filter = OptimumFilter::taut;
   CHECK(deciding_fields(job) == Fields{Field::range, Field::range, Field::apex, Field::slack});
 }

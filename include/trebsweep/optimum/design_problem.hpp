@@ -16,7 +16,7 @@ namespace trebsweep {
 /// The search for a job's optimum. The variables x of its nonlinear programs are the parameters
 /// that are not fixed, each divided by its scale.
 struct DesignProblem {
-  Machine machine;
+  MachineFamily machine;
   DesignSpace space;
   Expression objective;
   std::vector<Constraint> constraints;  ///< the job's; the last one is that of a taut sling, if any
@@ -54,7 +54,7 @@ double scale_of(const DesignSpace& space, Eigen::Index parameter);
 
 /// The objective and the expressions of the constraints at parameters, a column for each,
 /// integrated accurately in a machine.
-Eigen::MatrixXd quantities(const DesignProblem& problem, const Machine& machine,
+Eigen::MatrixXd quantities(const DesignProblem& problem, const MachineFamily& machine,
                            const Eigen::MatrixXd& parameters);
 
 /// The scaled objective and constraints at parameters, a column for each, integrated accurately.

@@ -20,26 +20,26 @@ enum class Accuracy {
 /// The solver of Accuracy::coarse.
 Solver coarse_solver(const Solver& solver);
 
-/// The scene and the solver in which parameters are designs.
-struct Machine {
+/// The machines among which a search chooses: a scene and a solver in which parameters are designs.
+struct MachineFamily {
   Scene scene;
   Solver solver;
   std::vector<Variable> variables;  ///< the values of these are those of the parameters
 };
 
-Machine machine_of(const Job& job);
+MachineFamily family_of(const Job& job);
 
-/// The machine whose variables have the values of some parameters.
-Machine at(const Machine& machine, const Eigen::Ref<const Parameters>& parameters);
+/// That in which the variables have the values of some parameters.
+MachineFamily at(const MachineFamily& machine, const Eigen::Ref<const Parameters>& parameters);
 
 /// The values of fields at parameters, a row per field and a column per column of the parameters.
 /// NaN without a release, and where a key does not allow the value of a variable.
-Eigen::MatrixXd field_values(const Machine& machine, Accuracy accuracy,
+Eigen::MatrixXd field_values(const MachineFamily& machine, Accuracy accuracy,
                              const Eigen::MatrixXd& parameters, std::span<const Field> fields);
 
 /// Calls f for every column of parameters, with the operands of expressions there: the values of
 /// fields are the columns of `values`.
-void for_each_design(const Machine& machine, const Eigen::MatrixXd& parameters,
+void for_each_design(const MachineFamily& machine, const Eigen::MatrixXd& parameters,
                      std::span<const Field> fields, const Eigen::MatrixXd& values,
                      const std::function<void(Eigen::Index column, const Operands&)>& f);
 

@@ -79,6 +79,7 @@ struct OptimumResult {
 struct OptimumOptions {
   bool own_lattice = false;  ///< whether the coarse sweep is of the job's lattice
   ProgressStyle progress = ProgressStyle::none;
+  std::vector<Parameters> starts = {};  ///< to search from besides those of the coarse sweep
 };
 
 /// Searches for the optimum of a job, which is_safe(): a coarse sweep of the job's own lattice or
