@@ -110,7 +110,7 @@ def length_rows(machine, units):
         rows.append((name.replace("-", " "), tell(value),
                      *allowance(loss[i], limits[i], ("less", "more"), units.small if unit == "m" else tell)))
     rows.append(("whole beam r1 + r2", units.length(machine.r1 + machine.r2), "", ""))
-    if machine.r4:
+    if machine.r4 and "counterweight-hanger" not in optimum["variables"]:
         rows.append(("hanger r4, to the box's centre of mass", units.length(machine.r4), "", ""))
     rows.append(("axle above the ground", units.length(machine.h0), "", ""))
     if machine.has_trough:

@@ -27,7 +27,7 @@ Expression operand(const std::string& name, const std::string& unit, const Value
 }
 
 Expression constant(double number) {
-  return {"", "", {}, {}, true, false, [=](const Operands&) { return amount_of(number); }};
+  return {"", "", {}, {}, true, 0, [=](const Operands&) { return amount_of(number); }};
 }
 
 // The operations of expressions.
@@ -52,7 +52,7 @@ Expression joined(Expression a, const Expression& b, bool keeps_unit,
   else if (!b.is_constant && !(keeps_unit && a.unit == b.unit))
     a.unit = "";
   a.is_constant = a.is_constant && b.is_constant;
-  a.is_distance = false;
+  a.distance = 0;
   a.fields.insert(a.fields.end(), b.fields.begin(), b.fields.end());
   a.keys.insert(a.keys.end(), b.keys.begin(), b.keys.end());
   a.amount = [=, f = a.amount, g = b.amount](const Operands& x) { return operation(f(x), g(x)); };
@@ -65,7 +65,12 @@ Expression mapped(Expression a, Amount operation(const Amount&)) {
   return a;
 }
 
-Amount negative_of(const Amount& a) { return {-a.value, a.magnitude}; }
+Expression with_opposite_sign(Expression a) {
+  a = mapped(a, [](const Amount& x) { return Amount{-x.value, x.magnitude}; });
+  a.distance = -a.distance;
+  return a;
+}
+
 Amount distance_of(const Amount& a) { return {std::abs(a.value), a.magnitude}; }
 
 /// The operands by their names, of which the longest that fits is taken: names contain hyphens.
@@ -118,11 +123,11 @@ const auto divide = [](auto& context) {
   if (is_reciprocal) x3::_val(context).unit = "";
 };
 const auto negate = [](auto& context) {
-  x3::_val(context) = mapped(x3::_attr(context), negative_of);
+  x3::_val(context) = with_opposite_sign(x3::_attr(context));
 };
 const auto set_distance = [](auto& context) {
   x3::_val(context) = mapped(x3::_attr(context), distance_of);
-  x3::_val(context).is_distance = true;
+  x3::_val(context).distance = 1;
 };
 
 const x3::rule<struct SumOf, Expression> sum = "sum";
@@ -174,7 +179,7 @@ std::string_view meaning(const Expression& expression) {
 }
 
 Expression negative(const Expression& expression) {
-  Expression opposite = mapped(expression, negative_of);
+  Expression opposite = with_opposite_sign(expression);
   opposite.text = "-(" + expression.text + ")";
   return opposite;
 }

@@ -35,7 +35,7 @@ double number_of(const Key& key, const std::string& text) {
 }  // namespace
 
 Variable to_variable(const std::string& key, const std::string& text) {
-  const auto space = std::min(text.find(' '), text.size());
+  const auto space = std::min(text.find_first_of(" \t"), text.size());
   const Key* const found = find_key(text.substr(0, space));
   if (!found)
     refuse(key, text,

@@ -25,8 +25,24 @@ Derivative extrapolate(std::span<const double> quotients, int order) {
   return best;
 }
 
+namespace {
+
+/// The side to which all steps along a line stay in the domain: 0 for both, else 1 or -1.
+int side_of(const Eigen::VectorXd& x, const Eigen::VectorXd& line, double step,
+            const Domain& domain) {
+  if (domain.lower.size() == 0) return 0;
+  const auto is_inside = [&](double by) {
+    const Eigen::ArrayXd at = x + by * line;
+    return (at >= domain.lower.array()).all() && (at <= domain.upper.array()).all();
+  };
+  if (is_inside(step) && is_inside(-step)) return 0;
+  return is_inside(2 * step) ? 1 : -1;
+}
+
+}  // namespace
+
 Expansion expand(const Functions& functions, const Eigen::VectorXd& x, const Steps& steps,
-                 bool with_hessians) {
+                 bool with_hessians, const Domain& domain) {
   const int levels = steps.levels;
   const Eigen::Index n = x.size();
   std::vector<Eigen::VectorXd> lines;
@@ -40,11 +56,14 @@ Expansion expand(const Functions& functions, const Eigen::VectorXd& x, const Ste
   Eigen::MatrixXd points(n, 1 + 2 * levels * static_cast<Eigen::Index>(lines.size()));
   Eigen::Index column = 0;
   points.col(column++) = x;
-  for (const Eigen::VectorXd& line : lines)
+  std::vector<int> sides;
+  for (const Eigen::VectorXd& line : lines) {
+    const int side = sides.emplace_back(side_of(x, line, steps.largest, domain));
     for (int k = 0; k < levels; ++k) {
-      points.col(column++) = x + step(k) * line;
-      points.col(column++) = x - step(k) * line;
+      points.col(column++) = x + (side == 0 ? 1 : side) * step(k) * line;
+      points.col(column++) = x + (side == 0 ? -1 : 2 * side) * step(k) * line;
     }
+  }
   const Eigen::MatrixXd values = functions(points);
 
   Expansion expansion{values.col(0), Eigen::MatrixXd(values.rows(), n), {}};
@@ -53,15 +72,19 @@ Expansion expand(const Functions& functions, const Eigen::VectorXd& x, const Ste
     Eigen::MatrixXd hessian(n, n);
     column = 1;
     for (std::size_t l = 0; l < lines.size(); ++l) {
+      const int side = sides[l], order = side == 0 ? 2 : 1;
+      const double here = values(f, 0);
       for (int k = 0; k < levels; ++k, column += 2) {
-        const double up = values(f, column), down = values(f, column + 1), h = step(k);
-        first[static_cast<std::size_t>(k)] = (up - down) / (2 * h);
-        second[static_cast<std::size_t>(k)] = (up - 2 * values(f, 0) + down) / (h * h);
+        // At x + h and x - h or, to one side, at x + h and x + 2 h.
+        const double a = values(f, column), b = values(f, column + 1), h = step(k);
+        const auto level = static_cast<std::size_t>(k);
+        first[level] = side == 0 ? (a - b) / (2 * h) : side * (a - here) / h;
+        second[level] = (side == 0 ? a - 2 * here + b : here - 2 * a + b) / (h * h);
       }
       const auto i = static_cast<Eigen::Index>(l);
-      if (i < n) expansion.gradients(f, i) = extrapolate(first, 2).value;
+      if (i < n) expansion.gradients(f, i) = extrapolate(first, order).value;
       if (!with_hessians) continue;
-      const double bend = extrapolate(second, 2).value;
+      const double bend = extrapolate(second, order).value;
       if (i < n)
         hessian(i, i) = bend;
       else

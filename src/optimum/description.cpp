@@ -24,8 +24,8 @@ void add_derivatives(const DesignProblem& problem, OptimumResult& result) {
     const MatrixXd values = values_at(problem, unit.asDiagonal() * points);
     return MatrixXd(values.row(0) * problem.scales.front());
   };
-  const Expansion expansion =
-      expand(functions, result.parameters.cwiseQuotient(unit), accurate_steps, true);
+  const Expansion expansion = expand(functions, result.parameters.cwiseQuotient(unit),
+                                     accurate_steps, true, allowed(problem, unit));
   const VectorXd per_unit = unit.cwiseInverse();
   result.gradient = expansion.gradients.row(0).transpose().cwiseProduct(per_unit);
   result.hessian = per_unit.asDiagonal() * expansion.hessians.front() * per_unit.asDiagonal();

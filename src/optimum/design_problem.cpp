@@ -132,6 +132,19 @@ Parameters to_parameters(const DesignProblem& problem, const VectorXd& scaled) {
   return parameters;
 }
 
+Domain allowed(const DesignProblem& problem, const Parameters& units) {
+  constexpr double step = 0.02;  // beyond which no difference reaches, in scales
+  Domain domain{Parameters::Constant(units.size(), -HUGE_VAL),
+                Parameters::Constant(units.size(), HUGE_VAL)};
+  for (Index d = length_count; const Variable& variable : problem.machine.variables) {
+    const double reach = step * scale_of(problem.space, d);
+    if (!allows(variable, variable.lower - reach)) domain.lower(d) = variable.lower / units(d);
+    if (!allows(variable, variable.upper + reach)) domain.upper(d) = variable.upper / units(d);
+    ++d;
+  }
+  return domain;
+}
+
 MatrixXd quantities(const DesignProblem& problem, const MachineFamily& machine,
                     const MatrixXd& parameters) {
   const MatrixXd fields = field_values(machine, Accuracy::high, parameters, problem.fields);
@@ -203,12 +216,16 @@ NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Devi
     result.bottomRows(std::ssize(problem.space.limits)) = space_excesses(problem, nominal);
     return result;
   };
+  Parameters scales(problem.space.size());
+  for (Index d = 0; d < scales.size(); ++d) scales(d) = scale_of(problem.space, d);
+  const Domain domain = allowed(problem, scales);
   return {functions,
           objectives,
           constraints,
           to_scaled(problem, problem.space.lower),
           to_scaled(problem, problem.space.upper),
-          std::ranges::count_if(problem.free, [](Index d) { return d < length_count; })};
+          std::ranges::count_if(problem.free, [](Index d) { return d < length_count; }),
+          {domain.lower(problem.free), domain.upper(problem.free)}};
 }
 
 NonlinearProgram nominal_program(const DesignProblem& problem, std::uint64_t& integrated) {
@@ -227,22 +244,24 @@ std::array<IntervalEnd, 2> interval(const DesignProblem& problem, const Paramete
     ends = {
         {{space.lower(parameter), place}, {space.upper(parameter), place + problem.free.size()}}};
   }
-  // The limits are linear in each parameter.
-  Parameters other = parameters;
-  other(parameter) += scale_of(space, parameter);
-  MatrixXd both(parameters.size(), 2);
-  both << parameters, other;
-  const MatrixXd excesses = space_excesses(problem, both);
-  for (std::size_t i = 0; i < space.limits.size(); ++i) {
-    const auto row = static_cast<Index>(i);
-    const double slope = excesses(row, 1) - excesses(row, 0);
-    if (std::abs(slope) < 1e-9) continue;
-    const double end = parameters(parameter) -
-                       excesses(row, 0) / slope * (other(parameter) - parameters(parameter));
-    IntervalEnd& side = ends[slope > 0];
-    if (slope > 0 ? end < side.value : end > side.value)
-      side = {end, problem.constraints.size() + i};
-  }
+  const auto excess_at = [&](double value, Index limit) {
+    Parameters other = parameters;
+    other(parameter) = value;
+    return space_excesses(problem, other)(limit, 0);
+  };
+  const double here = parameters(parameter), reach = scale_of(space, parameter);
+  for (const std::size_t side : {0u, 1u})
+    for (Index limit = 0; limit < std::ssize(space.limits); ++limit) {
+      double within = here;
+      double beyond =
+          std::isfinite(ends[side].value) ? ends[side].value : here + (side == 0 ? -reach : reach);
+      if (!(excess_at(beyond, limit) > 0)) continue;
+      for (int i = 0; i < 60; ++i) {
+        const double middle = (within + beyond) / 2;
+        (excess_at(middle, limit) > 0 ? beyond : within) = middle;
+      }
+      ends[side] = {within, problem.constraints.size() + static_cast<std::size_t>(limit)};
+    }
   return ends;
 }
 

@@ -1,5 +1,6 @@
 #include "trebsweep/optimum/newton.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -27,7 +28,7 @@ struct Inequalities {
 Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x, const Steps& steps,
                           const std::vector<MatrixXd>& hessians = {}) {
   const Index n = program.variables(), functions = program.objectives + program.constraints;
-  const Expansion e = expand(program.functions, x, steps, hessians.empty());
+  const Expansion e = expand(program.functions, x, steps, hessians.empty(), program.domain);
   Inequalities c{VectorXd(functions + 2 * n), MatrixXd::Zero(functions + 2 * n, n + 1), e.hessians};
   const double t = e.values.head(program.objectives).minCoeff();
   c.values << t - e.values.head(program.objectives).array(), e.values.tail(program.constraints),
@@ -51,6 +52,25 @@ struct Step {
   double residual;
 };
 
+/// The second derivatives of the Lagrangian, so that the stationary point of its model on the
+/// active set is a maximum: where they are not negative definite there, eigenvalues change their
+/// signs.
+MatrixXd lagrangian_hessian(const Inequalities& c, const VectorXd& multipliers,
+                            const std::vector<Index>& active) {
+  const Index n = c.gradients.cols() - 1;
+  MatrixXd hessian = MatrixXd::Zero(n, n);
+  for (std::size_t f = 0; f < c.hessians.size(); ++f)
+    hessian -= multipliers(static_cast<Index>(f)) * c.hessians[f];
+  const MatrixXd tangents = c.gradients(active, Eigen::all).fullPivLu().kernel().topRows(n);
+  const MatrixXd reduced = tangents.transpose() * hessian * tangents;
+  const double largest = Eigen::SelfAdjointEigenSolver<MatrixXd>(reduced).eigenvalues().maxCoeff();
+  constexpr double rounding = 1e-9;
+  if (largest <= rounding * hessian.norm()) return hessian;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> all(hessian);
+  return -(all.eigenvectors() * all.eigenvalues().cwiseAbs().asDiagonal() *
+           all.eigenvectors().transpose());
+}
+
 /// The step to the stationary point of the Lagrangian's quadratic model on the linearized active
 /// set; `multipliers` are those of the last step.
 Step equality_step(const Inequalities& c, const VectorXd& multipliers,
@@ -58,8 +78,7 @@ Step equality_step(const Inequalities& c, const VectorXd& multipliers,
   const Index n = c.gradients.cols(), m = static_cast<Index>(active.size());
   MatrixXd kkt = MatrixXd::Zero(n + m, n + m);
   VectorXd right = VectorXd::Zero(n + m);
-  for (std::size_t f = 0; f < c.hessians.size(); ++f)
-    kkt.topLeftCorner(n - 1, n - 1) -= multipliers(static_cast<Index>(f)) * c.hessians[f];
+  kkt.topLeftCorner(n - 1, n - 1) = lagrangian_hessian(c, multipliers, active);
   for (Index k = 0; k < m; ++k) {
     const Index i = active[static_cast<std::size_t>(k)];
     kkt.row(n + k).head(n) = c.gradients.row(i);

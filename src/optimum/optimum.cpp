@@ -70,7 +70,7 @@ void refuse_empty_space(const Job& job) {
   const double deviation = job.optimum.deviation;
   const DesignSpace given = design_space(job);
   if (job.optimum.robust == Robust::no) return;
-  const DesignSpace space = robust_space(job.scene, given, deviation);
+  const DesignSpace space = robust_space(job, given, deviation);
   for (Index d = 0; d < length_count; ++d)
     if (space.lower(d) > space.upper(d) || deviation >= space.upper(d)) refuse_deviation(deviation);
 }
@@ -196,7 +196,7 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
     refuse_divergence(job, problem, result);
     take_safe(job, full, options.progress, comm, result);
   } else {
-    problem.space = robust_space(job.scene, problem.space, deviation);
+    problem.space = robust_space(job, problem.space, deviation);
     const auto search_robust = [&](const Parameters& start, std::uint64_t& integrated) {
       return robust_search(problem, start, job.optimum.robust, deviation, integrated);
     };
@@ -217,8 +217,8 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
   const Expression& objective = job.optimum.objective;
   constexpr double met = 1e-6;
   result.is_on_target =
-      objective.is_distance && std::abs(values_at(problem, result.parameters)(0)) <=
-                                   met * magnitude_at(problem, result.parameters);
+      objective.distance < 0 && std::abs(values_at(problem, result.parameters)(0)) <=
+                                    met * magnitude_at(problem, result.parameters);
   if (result.is_on_target) {
     result.converged = false;
     result.active.clear();

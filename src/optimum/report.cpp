@@ -240,7 +240,7 @@ Job found_job(const OptimumResult& result, const Job& job) {
 std::vector<std::string> warnings(const OptimumResult& result, const Job& job) {
   std::vector<std::string> texts;
   for (const BuildProblem& problem : problems(result, job)) texts.push_back(problem.text);
-  if (result.objective.is_distance && !result.is_on_target)
+  if (result.objective.distance < 0 && !result.is_on_target)
     texts.push_back(fmt::format("the target is not met: {} is {:.6g}{} at best",
                                 result.objective.text, result.value,
                                 after_number(unit_of(result))));

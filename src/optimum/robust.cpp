@@ -151,13 +151,29 @@ Robustness robustness(const DesignProblem& problem, const Parameters& parameters
   return {worst * scale, expected * scale, std::nullopt};
 }
 
-DesignSpace robust_space(const Scene& scene, DesignSpace space, double deviation) {
+DesignSpace robust_space(const Job& job, DesignSpace space, double deviation) {
   constexpr double inside = 1 + 1e-10;  // the bounds are open
-  const std::array possible{arm_bounds(scene).low, 0.0, 0.0};
+  const auto& variables = job.optimum.variables;
+  double low = HUGE_VAL;
+  for (const std::vector<double>& values : corners(variables)) {
+    const Job at = with_variables(job, VectorXd::Map(values.data(), std::ssize(values)));
+    low = std::min(low, arm_bounds(at.scene).low);
+  }
+  const std::array possible{low, 0.0, 0.0};
   for (Index d = 0; d < length_count; ++d)
     if (space.lower(d) < space.upper(d))
       space.lower(d) =
           std::max(space.lower(d), (possible[static_cast<std::size_t>(d)] + deviation) * inside);
+  // r1 and the variables in its bound may be off at once.
+  double room = deviation;
+  for (const char* const key :
+       {"scene.release-height", "scene.fulcrum-height", "scene.counterweight-hanger"})
+    if (std::ranges::count(variables, key, &Variable::key) > 0) room += deviation;
+  for (SpaceLimit& limit : space.limits)
+    if (limit.text.starts_with("r1 >="))
+      limit.excess = [=, excess = limit.excess](const Scene& scene, const Design<double>& design) {
+        return excess(scene, design) + room * inside;
+      };
   return space;
 }
 

@@ -167,6 +167,12 @@ bool are_safe(const DesignProblem& problem, const Parameters& parameters, double
   const MatrixXd far = tolerated(problem.space, parameters, deviation).asDiagonal() * directions(n);
   MatrixXd by(n, 1 + 2 * n + 2 * far.cols());
   by << Parameters::Zero(n), -sides, sides, 0.5 * far, far;
+  // A variable cannot be off by what its key does not allow, such as a height below zero.
+  for (Index i = length_count; const Variable& variable : problem.machine.variables) {
+    for (double& off : by.row(i))
+      if (!allows(variable, parameters(i) + off)) off = 0;
+    ++i;
+  }
   const MatrixXd values = counted_values(problem, by.colwise() + parameters, integrated);
   const double magnitude = magnitude_at(problem, parameters);
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "trebsweep/base/error.hpp"
 #include "trebsweep/optimum/coarse_grid.hpp"
 #include "trebsweep/optimum/coarse_sweep.hpp"
 #include "trebsweep/optimum/nonlinear_program.hpp"
@@ -29,6 +30,18 @@ void add_starts(const CoarseSweep& sweep, std::size_t count, Starts& starts) {
     starts.parameters.push_back(sweep.maxima[i]);
 }
 
+/// The coarse lattice of the first scene that has designs. Throws InputError if none has.
+LatticeSpec coarse_lattice_of(const Job& job, const Eigen::MatrixXd& scenes,
+                              std::uint64_t enough_designs) {
+  for (Eigen::Index i = 0; i + 1 < scenes.cols(); ++i) try {
+      return coarse_lattice(with_variables(job, scenes.col(i)).scene, job.lattice, enough_designs);
+    } catch (const InputError&) {
+      continue;
+    }
+  const Eigen::VectorXd last = scenes.rightCols(1);
+  return coarse_lattice(with_variables(job, last).scene, job.lattice, enough_designs);
+}
+
 }  // namespace
 
 Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Comm comm) {
@@ -37,8 +50,8 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
   coarse.solver.max_time = plan.max_time;
   const Eigen::MatrixXd scenes = coarse_scenes(job, plan.designs);
   if (!own_lattice)
-    coarse.lattice = coarse_lattice(job.scene, job.lattice,
-                                    plan.designs / static_cast<std::uint64_t>(scenes.cols()));
+    coarse.lattice =
+        coarse_lattice_of(job, scenes, plan.designs / static_cast<std::uint64_t>(scenes.cols()));
   const CoarseSweep sweep = coarse_sweep(coarse, coarse.lattice, scenes, style, comm);
   Starts starts;
   starts.increment = sweep.increment;
@@ -50,9 +63,12 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
   if (const auto edge = edge_lattice(job.scene, coarse.lattice); edge && has_edge)
     add_starts(coarse_sweep(coarse, *edge, scenes, style, comm), max_edge_starts, starts);
   if (starts.parameters.empty())
-    throw NoOptimum(
-        fmt::format("nothing is released: none of {} designs with a spacing of {} m has a release",
-                    starts.integrated, starts.increment));
+    throw NoOptimum(fmt::format(
+        "nothing is released: none of {} designs with a spacing of {} m has a release{}",
+        starts.integrated, starts.increment,
+        field_of(job.optimum.objective)
+            ? ""
+            : fmt::format(" and a finite {}", job.optimum.objective.text)));
   return starts;
 }
 

@@ -114,9 +114,11 @@ TEST_CASE("The negative of an expression has the opposite value, and its text in
   CHECK(opposite.text == "-(abs(range - 50))");
   CHECK(value_of(opposite.text) == -30);
   CHECK(opposite.unit == "m");
-  CHECK(distance.is_distance);
-  CHECK(to_expression(opposite.text)->is_distance);
-  CHECK_FALSE(to_expression("abs(range - 50) + apex")->is_distance);
+  CHECK(distance.distance == 1);
+  CHECK(opposite.distance == -1);
+  CHECK(to_expression(opposite.text)->distance == -1);
+  CHECK(to_expression("-(-abs(range - 50))")->distance == 1);
+  CHECK(to_expression("abs(range - 50) + apex")->distance == 0);
 }
 
 TEST_CASE("An expression that is a field has its meaning; a formula is its own") {

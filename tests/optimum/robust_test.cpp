@@ -74,7 +74,7 @@ TEST_CASE("There is no robustness where a design in the box has no release") {
 TEST_CASE("A robust search leaves room for the deviation above the bounds of what is possible") {
   const Job paper, raised = job_with({{"lattice.r1", "0.55:1:0.01"}});
   const auto space_of = [](const Job& job, double deviation) {
-    return robust_space(job.scene, design_space(job), deviation);
+    return robust_space(job, design_space(job), deviation);
   };
   CHECK(space_of(paper, 0.01).lower[0] == Approx(0.51).epsilon(1e-9));  // h - h0 = 0.5 m
   CHECK(space_of(paper, 0.01).lower[0] > 0.51);

@@ -43,7 +43,7 @@ struct Expression {
   std::vector<Field> fields;      ///< whose values it needs
   std::vector<std::string> keys;  ///< whose values it needs: "scene.gravity"
   bool is_constant;               ///< whether it consists of numbers only
-  bool is_distance;               ///< whether it is an abs(), perhaps with a sign
+  int distance;                   ///< 1 for an abs(), -1 for its negative, else 0
   std::function<Amount(const Operands&)> amount;
 
   double value(const Operands& operands) const { return amount(operands).value; }

@@ -40,9 +40,10 @@ inline constexpr Steps accurate_steps{0.01, 10};
 /// Steps for derivatives that lead a search, at a third of the cost.
 inline constexpr Steps quick_steps{1e-3, 3};
 
-/// Derivatives by extrapolated central differences. Takes 1 + 2 n levels evaluations for n
+/// Derivatives by extrapolated differences: central ones or, where these would leave the domain to
+/// one side, one-sided ones. Takes 1 + 2 n levels evaluations for n
 /// variables without Hessians, 1 + n (n + 1) levels with them, in a single call of `functions`.
 Expansion expand(const Functions& functions, const Eigen::VectorXd& x, const Steps& steps,
-                 bool with_hessians);
+                 bool with_hessians, const Domain& domain = {});
 
 }  // namespace trebsweep

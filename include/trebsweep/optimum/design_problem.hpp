@@ -52,6 +52,10 @@ Parameters to_parameters(const DesignProblem& problem, const Eigen::VectorXd& sc
 /// their distance.
 double scale_of(const DesignSpace& space, Eigen::Index parameter);
 
+/// The parameters that keys allow, each divided by the element of `units`: the bounds of a variable
+/// beyond which its key allows no values, and everything else.
+Domain allowed(const DesignProblem& problem, const Parameters& units);
+
 /// The objective and the expressions of the constraints at parameters, a column for each,
 /// integrated accurately in a machine.
 Eigen::MatrixXd quantities(const DesignProblem& problem, const MachineFamily& machine,

@@ -10,6 +10,11 @@ namespace trebsweep {
 /// row per function and a column per point. NaN where a function has no value.
 using Functions = std::function<Eigen::MatrixXd(const Eigen::MatrixXd& points)>;
 
+/// Where functions have values as far as is known: lower <= x <= upper. Everywhere if empty.
+struct Domain {
+  Eigen::VectorXd lower = {}, upper = {};
+};
+
 /// To maximize the smallest of the objectives f(x), subject to constraints c(x) <= 0 and lower <= x
 /// <= upper. Variables and constraints are scaled to the order of one.
 struct NonlinearProgram {
@@ -18,6 +23,7 @@ struct NonlinearProgram {
   Eigen::VectorXd lower, upper;
   /// Of points that differ only in the first variables, so many, many cost little more than one.
   Eigen::Index cheap_variables = lower.size();
+  Domain domain = {};
 
   Eigen::Index variables() const { return lower.size(); }
 };

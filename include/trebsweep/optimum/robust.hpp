@@ -22,8 +22,8 @@ Robustness robustness(const DesignProblem& problem, const Parameters& parameters
                       std::uint64_t& integrated);
 
 /// The part of a design space whose designs may be off by a deviation (m) without a length that is
-/// impossible in the scene (47).
-DesignSpace robust_space(const Scene& scene, DesignSpace space, double deviation);
+/// impossible in a scene of the job (47).
+DesignSpace robust_space(const Job& job, DesignSpace space, double deviation);
 
 /// The design near `start` with the best worst case or the best expected value, such that all
 /// designs within the deviation satisfy the constraints. Its multipliers are those of the nominal
