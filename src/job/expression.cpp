@@ -92,10 +92,6 @@ x3::symbols<Expression> operand_names() {
   return names;
 }
 
-/// Sets the attribute of a rule, or joins it with another one.
-const auto set = [](auto& context) { x3::_val(context) = x3::_attr(context); };
-const auto set_number = [](auto& context) { x3::_val(context) = constant(x3::_attr(context)); };
-
 /// Numbers without "nan" and "inf".
 struct FinitePolicies : x3::real_policies<double> {
   template <class Iterator, class Attribute>
@@ -108,6 +104,11 @@ struct FinitePolicies : x3::real_policies<double> {
   }
 };
 const x3::real_parser<double, FinitePolicies> finite_number;
+
+/// Sets the attribute of a rule, or joins it with another one.
+const auto set = [](auto& context) { x3::_val(context) = x3::_attr(context); };
+const auto set_number = [](auto& context) { x3::_val(context) = constant(x3::_attr(context)); };
+
 const auto add = [](auto& context) {
   x3::_val(context) = joined(x3::_val(context), x3::_attr(context), true, sum_of);
 };

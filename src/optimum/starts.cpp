@@ -33,13 +33,14 @@ void add_starts(const CoarseSweep& sweep, std::size_t count, Starts& starts) {
 /// The coarse lattice of the first scene that has designs. Throws InputError if none has.
 LatticeSpec coarse_lattice_of(const Job& job, const Eigen::MatrixXd& scenes,
                               std::uint64_t enough_designs) {
-  for (Eigen::Index i = 0; i + 1 < scenes.cols(); ++i) try {
-      return coarse_lattice(with_variables(job, scenes.col(i)).scene, job.lattice, enough_designs);
+  for (Eigen::Index i = 0;; ++i) {
+    try {
+      const Job at = with_variables(job, scenes.col(i));
+      return coarse_lattice(at.scene, at.lattice, enough_designs);
     } catch (const InputError&) {
-      continue;
+      if (i + 1 == scenes.cols()) throw;
     }
-  const Eigen::VectorXd last = scenes.rightCols(1);
-  return coarse_lattice(with_variables(job, last).scene, job.lattice, enough_designs);
+  }
 }
 
 }  // namespace

@@ -144,3 +144,25 @@ TEST_CASE("One-sided quotients give the derivative, to within the estimate of it
     }
   }
 }
+
+TEST_CASE("At the edge of the domain derivatives are one-sided, and no point is beyond it") {
+  const auto functions = [](const Eigen::MatrixXd& points) {
+    Eigen::MatrixXd values(1, points.cols());
+    for (Eigen::Index p = 0; p < points.cols(); ++p)
+      values(p) = points(0, p) < 0.5 || points(1, p) > 2
+                      ? std::nan("")
+                      : std::exp(points(0, p)) * std::sin(points(1, p));
+    return values;
+  };
+  const Domain domain{Eigen::Vector2d(0.5, -HUGE_VAL), Eigen::Vector2d(HUGE_VAL, 2)};
+  for (const double x : {0.5, 0.505, 0.6})
+    for (const double y : {1.0, x < 0.51 ? 1.0 : 2.0}) {  // one edge at a time
+      const Expansion e = expand(functions, Eigen::Vector2d(x, y), accurate_steps, true, domain);
+      const double s = std::exp(x) * std::sin(y), c = std::exp(x) * std::cos(y);
+      CHECK(e.gradients(0, 0) == Approx(s).epsilon(1e-8));
+      CHECK(e.gradients(0, 1) == Approx(c).epsilon(1e-8));
+      CHECK(e.hessians[0](0, 0) == Approx(s).epsilon(1e-4));
+      CHECK(e.hessians[0](1, 1) == Approx(-s).epsilon(1e-4));
+      CHECK(e.hessians[0](0, 1) == Approx(c).epsilon(1e-4));
+    }
+}

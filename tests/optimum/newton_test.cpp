@@ -129,3 +129,16 @@ TEST_CASE("Newton's method does not converge where the objective is not stationa
                                   1, 0, {-1, -1}, {1, 1});
   CHECK_FALSE(solve_kkt(program, at(program, vector({0.2, 0.1}))).converged);
 }
+
+TEST_CASE("Where the objective is convex, the solution is a vertex and not the minimum") {
+  const auto values = [](const Eigen::VectorXd& x) -> std::vector<double> {
+    return {x(0) * x(0) + 0.5 * x(1) * x(1) - 0.1 * x(0) * x(1)};
+  };
+  const NonlinearProgram program = program_of(values, 1, 0, {-1, -1}, {1.5, 1});
+  const Eigen::VectorXd start = vector({0.1, -0.05});
+  const KktPoint found =
+      solve_kkt(program, point_of(program, start, program.functions(start).col(0)));
+  CHECK(found.converged);
+  CHECK(found.point.x == vector({1.5, -1}));
+  CHECK(found.multipliers.minCoeff() >= 0);
+}

@@ -146,6 +146,26 @@ class Optimum(CommandTest):
         text = self.run_program("optimum", self.job, *options).stdout
         self.assertIn(f"start-angle = {found['variables']['start-angle']:.7g} rad", text)
 
+    def test_a_variable_that_is_best_at_a_bound_gives_the_optimum_with_that_value(self):
+        # Objectives that are convex in the key, with and without values beyond the bound.
+        for key, bounds, best in (("projectile-mass", "5:50", "5"), ("beam-density", "0:2000", "0"),
+                                  ("pivot-friction", "0:500", "0")):
+            found = self.optimum("--optimum.variables", f"{key} {bounds}")
+            fixed = self.optimum(f"--scene.{key}", best)
+            self.assertTrue(found["converged"])
+            self.assertEqual(found["variables"][key], float(best))
+            self.assertAlmostEqual(found["value"], fixed["value"], places=9)
+            self.assertAlmostEqual(found["gradient"][3], fixed["sensitivity"][key],
+                                   delta=1e-5 * abs(fixed["sensitivity"][key]))
+
+    def test_a_robust_search_has_room_above_the_bound_of_r1_in_each_scene(self):
+        options = ("--optimum.robust", "worst", "--optimum.deviation", "0.01", "--optimum.objective", "speed")
+        found = self.optimum(*options, "--optimum.variables", "release-height 1.6:2.4")
+        fixed = self.optimum(*options, "--scene.release-height", repr(found["variables"]["release-height"]))
+        self.assertGreater(found["worst"], self.optimum(*options)["worst"] + 0.5)  # at the height of the job
+        self.assertLess(found["worst"], fixed["worst"])  # that height is exact
+        self.assertGreater(found["worst"], 0.95 * fixed["worst"])
+
     def test_a_target_is_met_or_a_warning_names_what_comes_closest(self):
         near = self.optimum("--optimum.minimize", "abs(range - 15)")
         self.assertAlmostEqual(near["values"]["range"], 15, places=7)

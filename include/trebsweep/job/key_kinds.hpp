@@ -14,8 +14,10 @@
 
 #include "trebsweep/base/number.hpp"
 #include "trebsweep/job/constraint.hpp"
+#include "trebsweep/job/expression.hpp"
 #include "trebsweep/job/lattice.hpp"
 #include "trebsweep/job/unit.hpp"
+#include "trebsweep/job/variable.hpp"
 
 namespace trebsweep {
 
