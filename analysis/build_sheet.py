@@ -184,8 +184,9 @@ def provenance(machine, name):
     """Where the numbers come from."""
     optimum = machine.optimum
     unit = objective_unit(optimum)
-    error = f"{optimum['error']:.0e} {'' if unit == '1' else unit}".rstrip()
-    lines = [f"{name}: largest {optimum['objective']}, with an error of {error}. {optimum['version']}.", BUILT]
+    bound = 10.0 ** np.ceil(np.log10(max(optimum["error"], 1e-9)))
+    error = f"{bound:.0e} {'' if unit == '1' else unit}".rstrip()
+    lines = [f"{name}: largest {optimum['objective']}, with an error below {error}. {optimum['version']}.", BUILT]
     if any(limit for pair in optimum["one_percent_limit"] for limit in pair) and not machine.deviation:
         lines.append("Where a limit is reached, there is no room to one side: optimum.deviation with "
                      "optimum.robust = worst leaves it.")

@@ -255,10 +255,10 @@ std::array<IntervalEnd, 2> interval(const DesignProblem& problem, const Paramete
       double within = here;
       double beyond =
           std::isfinite(ends[side].value) ? ends[side].value : here + (side == 0 ? -reach : reach);
-      if (!(excess_at(beyond, limit) > 0)) continue;
+      if (!(excess_at(beyond, limit) > feasibility_tolerance)) continue;
       for (int i = 0; i < 60; ++i) {
         const double middle = (within + beyond) / 2;
-        (excess_at(middle, limit) > 0 ? beyond : within) = middle;
+        (excess_at(middle, limit) > feasibility_tolerance ? beyond : within) = middle;
       }
       ends[side] = {within, problem.constraints.size() + static_cast<std::size_t>(limit)};
     }

@@ -76,6 +76,16 @@ TEST_CASE("An allowance ends at the bounds of the design space, and says which")
   CHECK(angle[2].more_limit == "r2 <= 0.94");
 }
 
+TEST_CASE("A limit that a design is beyond by rounding does not end other allowances") {
+  Design<double> design = best;
+  design.r2 = std::nextafter(1.5 - design.r3, 2);
+  const auto exact = allowances(Job{}, best), rounded = allowances(Job{}, design);
+  CHECK(rounded[0].less == Approx(exact[0].less).epsilon(1e-5));
+  CHECK(rounded[0].less_limit.empty());
+  CHECK(rounded[2].more == Approx(0).margin(1e-9));
+  CHECK(rounded[2].more_limit == "r2 + r3 <= 1.5");
+}
+
 TEST_CASE("An allowance ends where a constraint is violated, and says which") {
   const Design<double> design{0.6, 0.4, 0.8};  // r1 is far from its bound
   const Job plain = job_with({{"optimum.objective", "peak-beam-stress"}});
