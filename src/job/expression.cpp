@@ -187,7 +187,8 @@ Expression negative(const Expression& expression) {
 
 std::optional<Expression> to_expression(std::string_view text) {
   constexpr std::size_t longest = 1000;  // nested parentheses are parsed by recursion
-  if (text.size() > longest) return std::nullopt;
+  const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 128; };
+  if (text.size() > longest || !std::ranges::all_of(text, is_ascii)) return std::nullopt;
   Expression expression;
   auto begin = text.begin();
   if (!x3::phrase_parse(begin, text.end(), sum, x3::space, expression) || begin != text.end() ||

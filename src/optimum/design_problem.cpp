@@ -258,7 +258,7 @@ std::array<IntervalEnd, 2> interval(const DesignProblem& problem, const Paramete
       if (!(excess_at(beyond, limit) > feasibility_tolerance)) continue;
       for (int i = 0; i < 60; ++i) {
         const double middle = (within + beyond) / 2;
-        (excess_at(middle, limit) > feasibility_tolerance ? beyond : within) = middle;
+        (excess_at(middle, limit) > 0 ? beyond : within) = middle;
       }
       ends[side] = {within, problem.constraints.size() + static_cast<std::size_t>(limit)};
     }

@@ -108,6 +108,11 @@ TEST_CASE(
   CHECK(magnitude("apex / (r1 - 1)") == 12.5 / 0.5);
 }
 
+TEST_CASE("A text with letters that are not ASCII is no expression") {
+  for (const std::string text : {"½", "range + ½", "räange", "\xff range"})
+    CHECK_FALSE(to_expression(text));
+}
+
 TEST_CASE("The negative of an expression has the opposite value, and its text in parentheses") {
   const Expression distance = to_expression("abs(range - 50)").value();
   const Expression opposite = negative(distance);
