@@ -14,7 +14,7 @@ namespace {
 constexpr const char* release_angle = "solver.release-angle";
 constexpr const char* pin_angle = "solver.pin-angle";
 
-/// The key that a variable may have with a name; null if there is none.
+/// The key with a name, if it can be a variable; otherwise null.
 const Key* find_key(const std::string& name) {
   const auto has_name = [&](const Key& key) {
     const bool is_number = key.number || key.name == release_angle || key.name == pin_angle;
