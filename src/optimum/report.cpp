@@ -9,7 +9,6 @@
 #include <cmath>
 
 #include "trebsweep/base/number.hpp"
-#include "trebsweep/base/version.hpp"
 #include "trebsweep/job/buildable.hpp"
 #include "trebsweep/job/key.hpp"
 #include "trebsweep/optimum/design_space.hpp"
