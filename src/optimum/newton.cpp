@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -53,7 +54,7 @@ struct Step {
 };
 
 /// The second derivatives of the Lagrangian, so that the stationary point of its model on the
-/// active set is a maximum: where they are not negative definite there, eigenvalues change their
+/// active set is a maximum: in the tangent space of the set, positive eigenvalues change their
 /// signs.
 MatrixXd lagrangian_hessian(const Inequalities& c, const VectorXd& multipliers,
                             const std::vector<Index>& active) {
@@ -61,14 +62,15 @@ MatrixXd lagrangian_hessian(const Inequalities& c, const VectorXd& multipliers,
   MatrixXd hessian = MatrixXd::Zero(n, n);
   for (std::size_t f = 0; f < c.hessians.size(); ++f)
     hessian -= multipliers(static_cast<Index>(f)) * c.hessians[f];
-  const MatrixXd tangents = c.gradients(active, Eigen::all).fullPivLu().kernel().topRows(n);
-  const MatrixXd reduced = tangents.transpose() * hessian * tangents;
-  const double largest = Eigen::SelfAdjointEigenSolver<MatrixXd>(reduced).eigenvalues().maxCoeff();
-  constexpr double rounding = 1e-9;
-  if (largest <= rounding * hessian.norm()) return hessian;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> all(hessian);
-  return -(all.eigenvectors() * all.eigenvalues().cwiseAbs().asDiagonal() *
-           all.eigenvectors().transpose());
+  const MatrixXd kernel = c.gradients(active, Eigen::all).fullPivLu().kernel().topRows(n);
+  const MatrixXd tangents =
+      kernel.householderQr().householderQ() * MatrixXd::Identity(n, kernel.cols());
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> reduced(tangents.transpose() * hessian * tangents);
+  const double rounding = 1e-9 * hessian.norm();
+  const VectorXd excess =
+      reduced.eigenvalues().unaryExpr([&](double e) { return e > rounding ? 2 * e : 0; });
+  const MatrixXd directions = tangents * reduced.eigenvectors();
+  return hessian - directions * excess.asDiagonal() * directions.transpose();
 }
 
 /// The step to the stationary point of the Lagrangian's quadratic model on the linearized active
@@ -156,12 +158,22 @@ std::vector<Index> nearly_active(const NonlinearProgram& program, const Inequali
   return active;
 }
 
+/// Whether one of the points before is better in both the objective and the violation: the filter
+/// of Fletcher and Leyffer (Mathematical Programming 91, 2002).
+bool is_dominated(const Point& point, const std::vector<Point>& before) {
+  constexpr double max_loss = 1e-8;
+  return std::ranges::any_of(before, [&](const Point& p) {
+    return (is_feasible(p) || p.violation <= point.violation) &&
+           p.objective - point.objective > max_loss * std::abs(point.objective);
+  });
+}
+
 }  // namespace
 
 KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   constexpr int max_iterations = 60;
   constexpr double enough = 1e-11, converged = 1e-7;  // lengths of the last step
-  constexpr double max_residual = 1e-6, max_loss = 1e-8, max_reach = 0.05, min_reach = 1e-8;
+  constexpr double max_residual = 1e-6, max_reach = 0.05, min_reach = 1e-8;
   const Index n = program.variables();
   KktPoint solution{start, VectorXd::Zero(program.constraints + 2 * n), false};
   double reach = max_reach;  // the longest step allowed
@@ -170,6 +182,8 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   std::vector<Index> active = nearly_active(program, *c);
   VectorXd multipliers = VectorXd::Unit(c->values.size(), active.front());
   double last_length = HUGE_VAL;
+  std::vector<Point> visited{start};
+  const double max_violation = std::max(start.violation, 0.01);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Step step = step_with_active_set(*c, multipliers, active);
     const VectorXd d = step.d.head(n);
@@ -179,16 +193,16 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
     VectorXd x = solution.point.x + d * std::min(1.0, reach / length);
     x = x.cwiseMax(program.lower).cwiseMin(program.upper);
     const Point point = point_of(program, x, program.functions(x).col(0));
-    const double loss = solution.point.objective - point.objective;
-    if (std::isinf(point.violation) ||
-        (is_feasible(solution.point) && loss > max_loss * std::abs(point.objective))) {
+    if (point.violation > max_violation || is_dominated(point, visited)) {
       reach = std::min(reach, length) / 4;
       continue;
     }
     reach = std::min(2 * reach, max_reach);
     multipliers = step.multipliers;
+    visited.push_back(point);
     solution = {point, multipliers.tail(solution.multipliers.size()),
-                length < converged && step.residual < max_residual};
+                length < converged && step.residual < max_residual,
+                multipliers.head(program.objectives)};
     const bool is_rounding = length < converged && length > last_length / 2;
     if (length < enough || is_rounding) break;
     last_length = length;

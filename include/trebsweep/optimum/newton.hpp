@@ -13,6 +13,7 @@ struct KktPoint {
   /// then the lower and the upper bounds. Zero where it is not active.
   Eigen::VectorXd multipliers;
   bool converged;
+  Eigen::VectorXd weights = {};  ///< the multipliers of the objectives, which add up to one
 };
 
 /// Newton's method for the conditions of Karush, Kuhn and Tucker, with an active set of constraints
