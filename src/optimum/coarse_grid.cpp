@@ -7,6 +7,7 @@
 #include <boost/random/sobol.hpp>
 #include <boost/random/uniform_real_distribution.hpp>
 #include <cmath>
+#include <numeric>
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/job/sample.hpp"
@@ -41,14 +42,27 @@ Index free_lengths(const Job& job) {
   });
 }
 
-/// The lattice of a scene, or nothing if it is empty.
-std::optional<Lattice> lattice_in(const Job& job, const VectorXd& values, const LatticeSpec& spec) {
-  try {
-    return Lattice(with_variables(job, values).scene, spec);
-  } catch (const InputError&) {
-    return std::nullopt;
+/// A sequence of points in a box, without those coordinates in which the box has no width.
+class SobolSequence {
+ public:
+  SobolSequence(const VectorXd& lower, const VectorXd& upper) : lower_(lower), upper_(upper) {
+    for (Index d = 0; d < lower.size(); ++d)
+      if (lower(d) < upper(d)) free_.push_back(d);
+    if (!free_.empty()) sequence_.emplace(free_.size());
   }
-}
+
+  VectorXd next() {
+    VectorXd point = lower_;
+    for (const Index d : free_)
+      point(d) = boost::random::uniform_real_distribution(lower_(d), upper_(d))(*sequence_);
+    return point;
+  }
+
+ private:
+  VectorXd lower_, upper_;
+  std::vector<Index> free_;
+  std::optional<boost::random::sobol> sequence_;
+};
 
 /// The place of each design in the lattice's bounding box; `none` for a cell without one.
 constexpr std::size_t none = static_cast<std::size_t>(-1);
@@ -89,20 +103,6 @@ std::vector<std::size_t> local_maxima(const Lattice& lattice, std::span<const Me
 
 }  // namespace
 
-MatrixXd coarse_scenes(const Job& job, std::uint64_t designs) {
-  const auto& variables = job.optimum.variables;
-  const auto k = std::ssize(variables);
-  if (k == 0) return MatrixXd(0, 1);
-  const double part = static_cast<double>(k) / static_cast<double>(k + free_lengths(job));
-  const auto count = static_cast<Index>(std::lround(std::pow(static_cast<double>(designs), part)));
-  MatrixXd scenes(k, count);
-  boost::random::sobol sequence(variables.size());
-  for (auto scene : scenes.colwise())
-    for (Index i = 0; const Variable& v : variables)
-      scene(i++) = boost::random::uniform_real_distribution(v.lower, v.upper)(sequence);
-  return scenes;
-}
-
 LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec,
                            std::uint64_t enough_designs) {
   std::optional<LatticeSpec> chosen;
@@ -134,57 +134,80 @@ std::optional<LatticeSpec> edge_lattice(const Scene& scene, const LatticeSpec& c
   return edge;
 }
 
-Grid grid_of(const Job& job, const LatticeSpec& spec, const MatrixXd& scenes) {
-  Grid grid;
-  std::vector<VectorXd> values;
-  std::uint64_t designs = 0;
-  for (const auto& scene : scenes.colwise())
-    if (const auto lattice = lattice_in(job, scene, spec)) {
-      grid.lattices.push_back(*lattice);
-      values.emplace_back(scene);
-      designs += lattice->designs();
-    }
-  if (grid.lattices.empty()) Lattice(with_variables(job, scenes.col(0)).scene, spec);  // throws
-  if (designs > max_designs)
+Grid lattice_grid(const Scene& scene, const LatticeSpec& spec) {
+  const Lattice lattice(scene, spec);
+  if (lattice.designs() > max_designs)
     refuse("lattice.increment", fmt::format("{}", spec.increment),
            fmt::format("larger: the coarse sweep would have {} designs, and {} are allowed",
-                       designs, max_designs));
-  grid.parameters.resize(length_count + scenes.rows(), static_cast<Index>(designs));
-  Index column = 0;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    for (const Design<double>& design : all_designs(grid.lattices[i]))
-      grid.parameters.col(column++) << to_parameters(design), values[i];
-  grid.spacing = VectorXd::Constant(grid.parameters.rows(), spec.increment);
-  const double values_each =
-      std::pow(static_cast<double>(scenes.cols()), 1.0 / static_cast<double>(scenes.rows()));
-  for (Index i = length_count; const Variable& variable : job.optimum.variables)
-    grid.spacing(i++) = (variable.upper - variable.lower) / values_each;
+                       lattice.designs(), max_designs));
+  Grid grid{MatrixXd(length_count, lattice.designs()),
+            lattice,
+            lattice.designs() > 1 ? spec.increment : 0,
+            {}};
+  for (Index column = 0; const Design<double>& design : all_designs(lattice))
+    grid.parameters.col(column++) = to_parameters(design);
+  return grid;
+}
+
+Grid sobol_grid(const Job& job, std::uint64_t designs) {
+  constexpr std::uint64_t tries = 8;  // for each design
+  const DesignSpace space = design_space(job);
+  const auto k = std::ssize(job.optimum.variables), n = k + free_lengths(job);
+  const auto values_each = std::pow(static_cast<double>(designs), 1 / static_cast<double>(n));
+  const auto scenes = static_cast<std::uint64_t>(std::pow(values_each, k));
+  const std::uint64_t lengths = free_lengths(job) == 0 ? 1 : designs / scenes;
+  SobolSequence variables(space.lower.tail(k), space.upper.tail(k));
+  SobolSequence designs_within(space.lower.head(length_count), space.upper.head(length_count));
+  std::vector<Parameters> found;
+  for (std::uint64_t scene = 0; scene < scenes; ++scene) {
+    const VectorXd values = variables.next();
+    const Scene at = with_variables(job, values).scene;
+    const std::size_t enough = found.size() + lengths;
+    for (std::uint64_t i = 0; i < tries * lengths && found.size() < enough; ++i) {
+      const VectorXd of_lengths = designs_within.next();
+      if (std::ranges::any_of(space.limits, [&](const SpaceLimit& limit) {
+            return limit.excess(at, to_design(of_lengths)) >= 0;
+          }))
+        continue;
+      found.emplace_back(space.size()) << of_lengths, values;
+    }
+  }
+  if (found.empty())
+    throw NoOptimum(
+        "the design space is empty: none of the lengths tried is possible with the "
+        "values of the variables tried");
+  Grid grid{MatrixXd(space.size(), std::ssize(found)), {}, 0, {}};
+  for (Index column = 0; const Parameters& parameters : found)
+    grid.parameters.col(column++) = parameters;
+  grid.spacing = (space.upper - space.lower) / values_each;
   return grid;
 }
 
 std::vector<std::size_t> local_maxima(const Grid& grid, std::span<const Merit> merit) {
-  constexpr double near = 1;
-  std::vector<std::size_t> maxima;
-  for (std::size_t first = 0; const Lattice& lattice : grid.lattices) {
-    const auto count = static_cast<std::size_t>(lattice.designs());
-    for (const std::size_t m : local_maxima(lattice, merit.subspan(first, count)))
-      maxima.push_back(first + m);
-    first += count;
+  if (grid.lattice) {
+    auto maxima = local_maxima(*grid.lattice, merit);
+    std::ranges::stable_sort(
+        maxima, [&](std::size_t a, std::size_t b) { return is_better(merit[a], merit[b]); });
+    return maxima;
   }
+  constexpr std::size_t compared = 5'000;
+  constexpr double near = 1;
+  std::vector<std::size_t> best(merit.size());
+  std::iota(best.begin(), best.end(), std::size_t{0});
+  std::erase_if(best, [&](std::size_t i) { return std::isinf(merit[i].violation); });
   std::ranges::stable_sort(
-      maxima, [&](std::size_t a, std::size_t b) { return is_better(merit[a], merit[b]); });
-  if (grid.lattices.size() == 1) return maxima;
-  const auto place = [&](std::size_t m) {
-    return grid.parameters.col(static_cast<Index>(m)).cwiseQuotient(grid.spacing);
+      best, [&](std::size_t a, std::size_t b) { return is_better(merit[a], merit[b]); });
+  best.resize(std::min(best.size(), compared));
+  const auto is_near = [&](std::size_t a, std::size_t b) {
+    const auto difference =
+        grid.parameters.col(static_cast<Index>(a)) - grid.parameters.col(static_cast<Index>(b));
+    return (difference.array().abs() <= near * grid.spacing.array()).all();
   };
-  std::vector<std::size_t> distinct;
-  for (std::size_t i = 0; i < maxima.size() && distinct.size() < enough_maxima; ++i)
-    if (std::none_of(maxima.begin(), maxima.begin() + static_cast<std::ptrdiff_t>(i),
-                     [&](std::size_t better) {
-                       return (place(better) - place(maxima[i])).lpNorm<Eigen::Infinity>() < near;
-                     }))
-      distinct.push_back(maxima[i]);
-  return distinct;
+  std::vector<std::size_t> maxima;
+  for (auto i = best.begin(); i != best.end() && maxima.size() < enough_maxima; ++i)
+    if (std::none_of(best.begin(), i, [&](std::size_t better) { return is_near(better, *i); }))
+      maxima.push_back(*i);
+  return maxima;
 }
 
 }  // namespace trebsweep

@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/job/sample.hpp"
-#include "trebsweep/optimum/coarse_grid.hpp"
 #include "trebsweep/optimum/design_problem.hpp"
 #include "trebsweep/optimum/field_values.hpp"
-#include "trebsweep/swing/integrate.hpp"
 
 namespace trebsweep {
 namespace {
@@ -57,14 +56,16 @@ class RankedValues {
   std::size_t done_ = 0;
 };
 
-/// Some designs of a job's design space; none if that is empty in a scene of several.
-std::vector<Design<double>> sample_of(const Job& job, std::uint64_t count, std::uint64_t most) {
-  try {
-    return sample(Lattice(job.scene, coarse_lattice(job.scene, job.lattice, most)), count);
-  } catch (const InputError&) {
-    if (job.optimum.variables.empty()) throw;
-    return {};
-  }
+/// Some designs of a job's design space. Few designs with short arms may take most of the steps of
+/// a sweep: of a lattice, they are those of a fine one.
+MatrixXd some_designs(const Job& job, std::size_t count, std::uint64_t most) {
+  if (!job.optimum.variables.empty()) return sobol_grid(job, count).parameters;
+  const auto designs =
+      sample(Lattice(job.scene, coarse_lattice(job.scene, job.lattice, most)), count);
+  MatrixXd parameters(length_count, std::ssize(designs));
+  for (Index column = 0; const Design<double>& design : designs)
+    parameters.col(column++) = to_parameters(design);
+  return parameters;
 }
 
 bool is_about_release_time(const Job& job) {
@@ -134,45 +135,32 @@ std::uint64_t find_violations(const Job& job, const MatrixXd& parameters, Ranked
 
 CoarsePlan plan_coarse_sweep(const Job& job) {
   constexpr std::uint64_t sampled = 500, fewest = 4'000, most = 300'000;
-  constexpr double affordable_steps = 1e6;  // a second or two
-  // Few designs with short arms may take most of the steps: the sample is one of a fine lattice.
-  const MatrixXd scenes = coarse_scenes(job, sampled);
-  std::vector<SwingResult> results;
-  Solver solver = coarse_solver(job.solver);
-  const auto integrate_sample = [&] {
-    results.clear();
-    for (const auto& values : scenes.colwise()) {
-      Job at = with_variables(job, values);
-      at.solver.max_time = solver.max_time;
-      const std::vector<Design<double>> designs = sample_of(at, sampled / scenes.cols(), most);
-      results.resize(results.size() + designs.size());
-      integrate(at.scene, coarse_solver(at.solver),
-                {designs, std::span(results).last(designs.size())});
-    }
-  };
-  integrate_sample();
+  // A second or two; more in a space of more dimensions, where searches take longer anyway.
+  const double affordable_steps = job.optimum.variables.empty() ? 1e6 : 4e6;
+  const MatrixXd parameters = some_designs(job, sampled, most);
+  constexpr std::array fields{Field::steps, Field::release_time};
+  MachineFamily machine = family_of(job);
+  MatrixXd values = field_values(machine, Accuracy::coarse, parameters, fields);
 
-  std::vector<double> times;  // of releases
-  for (const SwingResult& result : results)
-    if (has_speed(result.status)) times.push_back(result.release_time);
+  std::vector<double> times;
+  for (const double time : values.row(1))
+    if (std::isfinite(time)) times.push_back(time);
   if (!times.empty() && !is_about_release_time(job)) {
     constexpr double late = 3;
     const auto median = times.begin() + std::ssize(times) / 2;
     std::ranges::nth_element(times, median);
-    solver.max_time = std::min(solver.max_time, late * *median);
-    integrate_sample();
+    machine.solver.max_time = std::min(machine.solver.max_time, late * *median);
+    values = field_values(machine, Accuracy::coarse, parameters, fields);
   }
   double steps = 0;
-  for (const SwingResult& result : results) steps += static_cast<double>(result.steps);
-  const double affordable = affordable_steps * static_cast<double>(results.size()) / (steps + 1);
-  return {solver.max_time, affordable > static_cast<double>(most)
-                               ? most
-                               : std::max(fewest, static_cast<std::uint64_t>(affordable))};
+  for (const double of_swing : values.row(0)) steps += std::isnan(of_swing) ? 0 : of_swing;
+  const double affordable = affordable_steps * static_cast<double>(values.cols()) / (steps + 1);
+  return {machine.solver.max_time, affordable > static_cast<double>(most)
+                                       ? most
+                                       : std::max(fewest, static_cast<std::uint64_t>(affordable))};
 }
 
-CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, const MatrixXd& scenes,
-                         ProgressStyle style, MPI_Comm comm) {
-  const Grid grid = grid_of(job, spec, scenes);
+CoarseSweep coarse_sweep(const Job& job, const Grid& grid, ProgressStyle style, MPI_Comm comm) {
   const auto designs = static_cast<std::size_t>(grid.parameters.cols());
   const std::vector<Constraint> constraints = constraints_of(job);
   RankedValues values_of(job, designs * (constraints.empty() ? 1 : 2), style, comm);
@@ -186,8 +174,7 @@ CoarseSweep coarse_sweep(const Job& job, const LatticeSpec& spec, const MatrixXd
         merit[static_cast<std::size_t>(column)] = {value, std::isfinite(value) ? 0 : HUGE_VAL};
       });
 
-  CoarseSweep sweep{.increment = designs > 1 ? spec.increment : 0,
-                    .designs = designs,
+  CoarseSweep sweep{.designs = designs,
                     .maxima = {},
                     .feasible = false,
                     .checked = 0,

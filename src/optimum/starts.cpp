@@ -30,43 +30,32 @@ void add_starts(const CoarseSweep& sweep, std::size_t count, Starts& starts) {
     starts.parameters.push_back(sweep.maxima[i]);
 }
 
-/// The coarse lattice of the first scene that has designs. Throws InputError if none has.
-LatticeSpec coarse_lattice_of(const Job& job, const Eigen::MatrixXd& scenes,
-                              std::uint64_t enough_designs) {
-  for (Eigen::Index i = 0;; ++i) {
-    try {
-      const Job at = with_variables(job, scenes.col(i));
-      return coarse_lattice(at.scene, at.lattice, enough_designs);
-    } catch (const InputError&) {
-      if (i + 1 == scenes.cols()) throw;
-    }
-  }
-}
-
 }  // namespace
 
 Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Comm comm) {
   const CoarsePlan plan = plan_coarse_sweep(job);
   Job coarse = job;
   coarse.solver.max_time = plan.max_time;
-  const Eigen::MatrixXd scenes = coarse_scenes(job, plan.designs);
-  if (!own_lattice)
-    coarse.lattice =
-        coarse_lattice_of(job, scenes, plan.designs / static_cast<std::uint64_t>(scenes.cols()));
-  const CoarseSweep sweep = coarse_sweep(coarse, coarse.lattice, scenes, style, comm);
+  const bool has_variables = !job.optimum.variables.empty();
+  if (!own_lattice && !has_variables)
+    coarse.lattice = coarse_lattice(job.scene, job.lattice, plan.designs);
+  const Grid grid =
+      has_variables ? sobol_grid(job, plan.designs) : lattice_grid(job.scene, coarse.lattice);
+  const CoarseSweep sweep = coarse_sweep(coarse, grid, style, comm);
   Starts starts;
-  starts.increment = sweep.increment;
+  starts.increment = grid.increment;
   starts.violations.resize(sweep.violations.size());
   add_starts(sweep, max_starts, starts);
   // Swings next to r1 = 0 take long: too long to search for a first feasible design there.
-  const bool has_edge = job.optimum.variables.empty() && !own_lattice &&
-                        (sweep.feasible || arm_bounds(job.scene).low > 0);
+  const bool has_edge =
+      !has_variables && !own_lattice && (sweep.feasible || arm_bounds(job.scene).low > 0);
   if (const auto edge = edge_lattice(job.scene, coarse.lattice); edge && has_edge)
-    add_starts(coarse_sweep(coarse, *edge, scenes, style, comm), max_edge_starts, starts);
+    add_starts(coarse_sweep(coarse, lattice_grid(job.scene, *edge), style, comm), max_edge_starts,
+               starts);
   if (starts.parameters.empty())
     throw NoOptimum(fmt::format(
-        "nothing is released: none of {} designs with a spacing of {} m has a release{}",
-        starts.integrated, starts.increment,
+        "nothing is released: none of {} designs{} has a release{}", starts.integrated,
+        starts.increment > 0 ? fmt::format(" with a spacing of {} m", starts.increment) : "",
         field_of(job.optimum.objective)
             ? ""
             : fmt::format(" and a finite {}", job.optimum.objective.text)));

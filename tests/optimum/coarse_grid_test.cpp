@@ -1,12 +1,13 @@
 #include "trebsweep/optimum/coarse_grid.hpp"
 
+#include <set>
+
 #include "optimum/jobs.hpp"
 #include "support/catch.hpp"
 #include "trebsweep/base/error.hpp"
 
 using namespace trebsweep;
 using Eigen::Index;
-using Eigen::MatrixXd;
 
 namespace {
 
@@ -14,49 +15,45 @@ Job variable_job() {
   return job_with({{"optimum.variables", "fulcrum-height 1.2:1.8, counterweight-mass 2000:6000"}});
 }
 
-LatticeSpec with_increment(double increment) {
-  LatticeSpec spec;
-  spec.increment = increment;
-  return spec;
-}
-
 }  // namespace
 
-TEST_CASE("Scenes are spread over the box of the variables, as many as the lengths leave") {
+TEST_CASE("A grid of a Sobol sequence spreads over variables and lengths, within their limits") {
   const Job job = variable_job();
-  const MatrixXd scenes = coarse_scenes(job, 100'000);
-  REQUIRE(scenes.rows() == 2);
-  CHECK(scenes.cols() == 100);  // of five parameters, two are variables: 100000^(2/5)
-  const auto masses = scenes.row(1), heights = scenes.row(0);
-  CHECK(heights.minCoeff() >= 1.2);
-  CHECK(heights.maxCoeff() <= 1.8);
-  CHECK(heights.mean() == Approx(1.5).epsilon(0.01));
-  CHECK(masses.mean() == Approx(4000).epsilon(0.01));
-  CHECK(coarse_scenes(Job{}, 100'000).cols() == 1);
-}
-
-TEST_CASE("A grid has the lattice of each scene, without scenes that have no design") {
-  const Job job = variable_job();
-  MatrixXd scenes(2, 3);
-  scenes << 1.2, 1.8, 1.01, 3000, 4000, 5000;
-  const LatticeSpec spec = with_increment(0.2);
-  const Grid grid = grid_of(job, spec, scenes.leftCols(2));
-  Index column = 0;
-  for (const Index scene : {0, 1}) {
-    Scene at = job.scene;
-    at.fulcrum_height = scenes(0, scene);
-    for (std::uint64_t n = Lattice(at, spec).designs(); n > 0; --n, ++column)
-      CHECK(grid.parameters.col(column).tail(2) == scenes.col(scene));
+  const Grid grid = sobol_grid(job, 100'000);
+  CHECK(grid.parameters.rows() == 5);
+  CHECK(grid.parameters.cols() > 80'000);
+  CHECK(grid.parameters.cols() <= 100'000);
+  const DesignSpace space = design_space(job);
+  std::set<double> heights;
+  double largest_excess = -1;
+  for (const auto& parameters : grid.parameters.colwise()) {
+    const Job at = with_variables(job, parameters.tail(2));
+    heights.insert(at.scene.fulcrum_height);
+    for (const SpaceLimit& limit : space.limits)
+      largest_excess = std::max(largest_excess, limit.excess(at.scene, to_design(parameters)));
   }
-  CHECK(grid.parameters.cols() == column);
-  scenes(0, 2) = 0.9;  // below half of the release height: r1 > h - h0 > h0
-  CHECK(grid_of(job, spec, scenes).lattices.size() == 2);
-  CHECK_THROWS_AS(grid_of(job, spec, scenes.rightCols(1)), InputError);
+  CHECK(largest_excess < 0);
+  CHECK(std::ssize(heights) == Approx(100).margin(1));  // 100000^(2/5) scenes
+  const auto& all = grid.parameters;
+  CHECK((all.rowwise().minCoeff() - space.lower).minCoeff() >= 0);
+  CHECK((space.upper - all.rowwise().maxCoeff()).minCoeff() >= 0);
+  CHECK(all.row(4).mean() == Approx(4000).epsilon(0.01));
+  // The lengths of each scene are others.
+  CHECK((all.col(0) - all.col(all.cols() / 2)).head(3).norm() > 0);
 }
 
-TEST_CASE("Maxima of several scenes have no better one within a spacing") {
+TEST_CASE("A grid of a Sobol sequence keeps fixed lengths, and says that there are no designs") {
+  Job job = variable_job();
+  job.lattice.r3 = AxisRange{0.5, 0.5, 1};
+  const Grid grid = sobol_grid(job, 1'000);
+  CHECK((grid.parameters.row(1).array() == 0.5).all());
+  job.lattice.r3 = AxisRange{2, 2, 1};  // longer than any h0
+  CHECK_THROWS_AS(sobol_grid(job, 1'000), NoOptimum);
+}
+
+TEST_CASE("Maxima of a grid without a lattice have no better one within a spacing") {
   const Job job = variable_job();
-  const Grid grid = grid_of(job, with_increment(0.1), coarse_scenes(job, 10'000));
+  const Grid grid = sobol_grid(job, 10'000);
   std::vector<Merit> merit;
   for (const auto& x : grid.parameters.colwise())
     merit.push_back({std::sin(9 * x(0)) * std::cos(7 * x(2)) - std::pow(x(3) - 1.4, 2), 0});

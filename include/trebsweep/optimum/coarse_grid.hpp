@@ -22,21 +22,21 @@ LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec,
 /// objective may change within a fraction of the increment; nothing if the axis r1 is explicit.
 std::optional<LatticeSpec> edge_lattice(const Scene& scene, const LatticeSpec& coarse);
 
-/// The scenes of a coarse sweep: values of a job's variables from a Sobol sequence, a column for
-/// each. Of `designs` in all, there are as many scenes as give lengths and variables the same
-/// number of values. A job without variables has one scene.
-Eigen::MatrixXd coarse_scenes(const Job& job, std::uint64_t designs);
-
-/// The lattices of designs in several scenes.
+/// The designs of a coarse sweep.
 struct Grid {
-  std::vector<Lattice> lattices;
-  Eigen::MatrixXd parameters;  ///< of all designs, those of one lattice after those of another
-  Parameters spacing;          ///< of the parameters
+  Eigen::MatrixXd parameters;      ///< of all designs, a column for each
+  std::optional<Lattice> lattice;  ///< whose designs they are, in its order
+  double increment;                ///< m, of the lattice; 0 if there is none, or one design
+  Parameters spacing;              ///< the mean distance of the parameters, if there is no lattice
 };
 
-/// The designs of a lattice in each of some coarse_scenes(). Throws InputError if there are more
-/// than 100 million designs, or no scene has any.
-Grid grid_of(const Job& job, const LatticeSpec& spec, const Eigen::MatrixXd& scenes);
+/// The designs of a lattice. Throws InputError if there are more than 100 million.
+Grid lattice_grid(const Scene& scene, const LatticeSpec& spec);
+
+/// About as many designs of a job's design_space(), in scenes with values of its variables from a
+/// Sobol sequence and lengths from another. There are as many scenes as give lengths and variables
+/// the same number of values. Throws NoOptimum if no design is found.
+Grid sobol_grid(const Job& job, std::uint64_t designs);
 
 /// An objective and a violation of the constraints, as of a Point; infinite where nothing is
 /// released or the violation is not known.
@@ -44,8 +44,9 @@ struct Merit {
   double objective, violation;
 };
 
-/// The designs of a grid that none of their neighbours in a lattice exceeds, best first; of several
-/// lattices, those without a better one within a spacing. `merit` is that of all designs.
+/// The designs of a grid that none of their neighbours in the lattice exceeds, best first; without
+/// a lattice, those of the best 5,000 that have no better one within a spacing. `merit` is that of
+/// all designs.
 std::vector<std::size_t> local_maxima(const Grid& grid, std::span<const Merit> merit);
 
 }  // namespace trebsweep
