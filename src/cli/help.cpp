@@ -44,7 +44,7 @@ crossing. jobs/README.md explains the output.
 
 With optimum.variables, keys of the scene, pin-angle or release-angle are
 searched as well. The coarse sweep then has up to 300,000 designs in all, fewer
-where swings take long, in scenes of a Sobol sequence.
+where swings take long, in scenes of a Sobol sequence with lengths of another.
 
 --pareto "A, B" prints the front of two objectives instead: the largest A for B
 at equal distances, and the multiplier, how A changes along the front with B.

@@ -124,7 +124,7 @@ void describe(const DesignProblem& problem, double deviation, OptimumResult& res
   add_value(problem, result);
   result.values = build_values(problem, result.parameters);
   add_derivatives(problem, result);
-  if (result.is_on_target) {
+  if (result.is_on_target || result.has_kink) {
     result.gradient.fill(std::numeric_limits<double>::quiet_NaN());
     result.hessian.fill(std::numeric_limits<double>::quiet_NaN());
   }

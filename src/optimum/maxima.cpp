@@ -15,11 +15,11 @@ std::vector<Found> search_from(const std::vector<Parameters>& starts, const Sear
   const auto ranks = static_cast<std::size_t>(mpi::size(comm));
   return mpi::share(starts.size(), comm, [&](std::size_t i) {
     Found found{};
-    const auto [point, multipliers, converged] = search(starts[i], found.integrated);
-    std::ranges::copy(point.x, found.x.begin());
-    found.objective = point.objective;
-    found.violation = point.violation;
-    found.converged = converged;
+    const ProblemOptimum end = search(starts[i], found.integrated);
+    std::ranges::copy(end.point.x, found.x.begin());
+    found.objective = end.point.objective;
+    found.violation = end.point.violation;
+    found.converged = end.converged;
     progress.update(std::min(i + ranks, starts.size()));
     return found;
   });
@@ -46,7 +46,7 @@ std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Desi
   constexpr std::size_t most = 4;  // thorough searches
   const auto search_with = [&](Effort effort) {
     return [&problem, effort](const Parameters& start, std::uint64_t& count) {
-      return search(nominal_program(problem, count), to_scaled(problem, start), effort);
+      return search(problem, start, effort, count);
     };
   };
   auto found = find_maxima(starts, search_with(Effort::quick), style, comm, integrated);

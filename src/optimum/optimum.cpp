@@ -26,30 +26,26 @@ using Eigen::VectorXd;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The derivatives of the optimum with respect to all limits; the active ones are added.
-VectorXd add_active_limits(const DesignProblem& problem, const KktPoint& optimum,
-                           OptimumResult& result) {
+/// Adds the active limits of an optimum, with what they are worth.
+void add_active_limits(const DesignProblem& problem, const ProblemOptimum& optimum,
+                       OptimumResult& result) {
   const std::vector<Limit> all = limits(problem);
-  constexpr double rounding = 1e-9;  // of scaled multipliers
-  VectorXd derivatives = optimum.multipliers;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    double& derivative = derivatives(static_cast<Index>(i));
-    if (std::abs(derivative) < rounding) derivative = 0;
-    derivative *= all[i].factor;
+    double derivative = 0;
+    for (const PartOptimum& part : optimum.parts)
+      derivative += part.derivatives(static_cast<Index>(i));
     if (derivative != 0) result.active.push_back({all[i].text, all[i].units, derivative});
   }
-  return derivatives;
 }
 
 /// The sensitivities to all numeric keys of the scene, shared among the ranks. Collective.
 std::vector<std::pair<std::string, Sensitivity>> all_sensitivities(const Job& job,
-                                                                   const DesignProblem& problem,
+                                                                   const ProblemOptimum& optimum,
                                                                    const Parameters& parameters,
-                                                                   const VectorXd& derivatives,
                                                                    MPI_Comm comm) {
   const std::vector<std::string> keys = numeric_scene_keys(job);
   const auto derived = mpi::share(keys.size(), comm, [&](std::size_t i) {
-    return sensitivity(job, problem, keys[i], parameters, derivatives);
+    return sensitivity(job, keys[i], parameters, optimum.parts);
   });
   std::vector<std::pair<std::string, Sensitivity>> all;
   for (std::size_t i = 0; i < keys.size(); ++i)
@@ -81,16 +77,17 @@ bool is_feasible(const DesignProblem& problem, const Parameters& parameters) {
          (values.bottomRows(values.rows() - 1).array() <= feasibility_tolerance).all();
 }
 
-/// Takes the best of the local maxima. A last search gives its multipliers, and the derivatives of
-/// the optimum with respect to all limits, which are returned: NaN if they do not exist.
-template <class Search>
-VectorXd take_best(const DesignProblem& problem, Search search, OptimumResult& result) {
+/// Takes the best of the local maxima. A last search gives its derivatives with respect to limits,
+/// and is returned.
+ProblemOptimum take_best(const DesignProblem& problem, const Search& search,
+                         OptimumResult& result) {
   LocalMaximum& best = result.maxima.front();
-  const KktPoint optimum = search(best.parameters, result.designs);
+  const ProblemOptimum optimum = search(best.parameters, result.designs);
   best.parameters = result.parameters = to_parameters(problem, optimum.point.x);
   best.value = optimum.point.objective * problem.scales.front();
   result.converged = optimum.converged;
-  return add_active_limits(problem, optimum, result);
+  add_active_limits(problem, optimum, result);
+  return optimum;
 }
 
 /// Replaces the optimum by the best safe design, if it is not safe itself: one of the other local
@@ -111,9 +108,9 @@ void take_safe(const Job& job, const DesignProblem& problem, ProgressStyle style
     const auto safe = are_good(start, integrated)
                           ? std::optional(start)
                           : safe_parameters_near(problem, start, deviation, integrated);
-    if (!safe) return KktPoint{{VectorXd::Zero(0), 0, HUGE_VAL}, {}, false};
+    if (!safe) return ProblemOptimum{{VectorXd::Zero(0), 0, HUGE_VAL}, false, {}};
     const double value = values_at(problem, *safe)(0, 0);
-    return KktPoint{{to_scaled(problem, *safe), value, 0}, {}, false};
+    return ProblemOptimum{{to_scaled(problem, *safe), value, 0}, false, {}};
   };
   const auto found = find_maxima(maxima, search_safe, style, comm, result.designs);
   if (found.empty())
@@ -186,19 +183,20 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
   result.starts = starts.parameters.size();
   if (found.empty()) refuse_constraints(full, starts);
   result.maxima = distinct(found, problem);
-  VectorXd derivatives;
+  ProblemOptimum optimum;
   if (job.optimum.robust == Robust::no) {
     const auto search_again = [&](const Parameters& start, std::uint64_t& integrated) {
-      return search(nominal_program(problem, integrated), to_scaled(problem, start));
+      return search(problem, start, Effort::thorough, integrated);
     };
-    derivatives = take_best(problem, search_again, result);
+    optimum = take_best(problem, search_again, result);
     result.value = result.maxima.front().value;
     refuse_divergence(job, problem, result);
     take_safe(job, full, options.progress, comm, result);
   } else {
     problem.space = robust_space(job, problem.space, deviation);
     const auto search_robust = [&](const Parameters& start, std::uint64_t& integrated) {
-      return robust_search(problem, start, job.optimum.robust, deviation, integrated);
+      return undivided(problem,
+                       robust_search(problem, start, job.optimum.robust, deviation, integrated));
     };
     std::vector<Parameters> maxima;
     for (const LocalMaximum& m : result.maxima)
@@ -207,8 +205,8 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
     if (found.empty()) refuse_deviation(deviation);
     result.starts = maxima.size();
     result.maxima = distinct(found, problem);
-    derivatives = take_best(problem, search_robust, result);
-    derivatives.fill(nan);  // they are those of the worst or mean value
+    optimum = take_best(problem, search_robust, result);
+    optimum.parts.front().derivatives.fill(nan);  // they are those of the worst or mean value
   }
   // Of searches that did not converge, some may have stopped on the way.
   std::erase_if(result.maxima, [&](const LocalMaximum& m) {
@@ -223,12 +221,15 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
     result.converged = false;
     result.active.clear();
   }
-  if (!result.converged) derivatives.setConstant(limits(problem).size(), nan);
+  if (!result.converged) {
+    optimum.parts = {{problem, 1, VectorXd::Constant(std::ssize(limits(problem)), nan)}};
+  }
+  result.has_kink =
+      std::ranges::count_if(optimum.parts, [](const auto& part) { return part.weight > 0; }) > 1;
 
   const Job found_job = with_variables(job, result.parameters.tail(variable_count));
   if (!result.is_on_target)
-    result.sensitivities =
-        all_sensitivities(found_job, problem, result.parameters, derivatives, comm);
+    result.sensitivities = all_sensitivities(found_job, optimum, result.parameters, comm);
   if (mpi::rank(comm) != 0) return std::nullopt;
   describe(problem, deviation, result);
   result.seconds = MPI_Wtime() - start_time;

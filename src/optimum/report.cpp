@@ -83,6 +83,8 @@ std::string limits_text(const OptimumResult& result, const Job& job) {
   for (const auto& [constraint, units, multiplier] : result.active)
     text += fmt::format("{:10} {}: {:+.6g}{}{}\n", text.empty() ? "limits" : "", constraint,
                         multiplier, per(unit_of(result), unit_text(units)), of);
+  if (result.has_kink)
+    text += "kink       extremes of the swing are equal: the objective has no gradient\n";
   return text;
 }
 
@@ -183,7 +185,7 @@ std::string precision_text(const OptimumResult& result, const Job& job) {
     const auto& words = d < length_count ? shorter_or_longer : less_or_more;
     text += fmt::format("{:10} {}: {}", text.empty() ? "1 % lost" : "", space.names[d],
                         allowance_text(result.allowances[d], space.units[d], words));
-    if (!result.is_on_target)
+    if (!std::isnan(result.gradient(i)))
       text += fmt::format("; gradient {:+.4g}, curvature {:+.4g}", result.gradient(i),
                           result.hessian(i, i));
     text += "\n";

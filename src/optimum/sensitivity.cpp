@@ -39,6 +39,7 @@ VectorXd values_with(const Job& job, const Key& key, double value, const DesignP
     return all;
   }
   const Index functions = 1 + std::ssize(problem.constraints);
+  varied.solver.recorded = problem.machine.solver.recorded;
   all.head(functions) = quantities(problem, family_of(varied), parameters);
   Index i = functions;
   for (const SpaceLimit& limit : problem.space.limits)
@@ -48,24 +49,10 @@ VectorXd values_with(const Job& job, const Key& key, double value, const DesignP
   return all;
 }
 
-}  // namespace
-
-std::vector<std::string> numeric_scene_keys(const Job& job) {
-  const auto unused = unused_keys(job);
-  std::vector<std::string> names;
-  for (const Key& key : job_keys()) {
-    const auto value = number_of(job, key);
-    if (key.section() != "scene" || !value || unused.contains(key.name)) continue;
-    if (std::ranges::count(job.optimum.variables, key.name, &Variable::key) > 0) continue;
-    if (*value == 0 && is_absent_at_zero(key.name)) continue;
-    if (key.name == "scene.sling-damping" && job.scene.sling_stiffness == 0) continue;
-    names.push_back(key.name);
-  }
-  return names;
-}
-
-Sensitivity sensitivity(const Job& job, const DesignProblem& problem, const std::string& name,
-                        const Parameters& parameters, const VectorXd& derivatives) {
+/// The sensitivity that a part of the swing contributes.
+Sensitivity sensitivity(const Job& job, const std::string& name, const Parameters& parameters,
+                        const PartOptimum& part) {
+  const auto& [problem, weight, derivatives] = part;
   const auto& key = *std::ranges::find(job_keys(), name, &Key::name);
   const double value = number_of(job, key).value();
   const auto at = [&](double v) { return values_with(job, key, v, problem, parameters); };
@@ -100,11 +87,40 @@ Sensitivity sensitivity(const Job& job, const DesignProblem& problem, const std:
   // derivatives(i) is that of the optimum when limit i grows. An expression or excess that grows by
   // as much leaves that much less to its limit.
   const Index functions = 1 + std::ssize(problem.constraints) + std::ssize(problem.space.limits);
-  double of_optimum = derivative(0);
+  double of_optimum = weight == 0 ? 0 : weight * derivative(0);
   for (Index i = 0; i < derivatives.size(); ++i)
     if (derivatives(i) != 0)
       of_optimum += (i + 1 < functions ? -1 : 1) * derivatives(i) * derivative(i + 1);
   return {value, derivative(0), of_optimum};
+}
+
+}  // namespace
+
+std::vector<std::string> numeric_scene_keys(const Job& job) {
+  const auto unused = unused_keys(job);
+  std::vector<std::string> names;
+  for (const Key& key : job_keys()) {
+    const auto value = number_of(job, key);
+    if (key.section() != "scene" || !value || unused.contains(key.name)) continue;
+    if (std::ranges::count(job.optimum.variables, key.name, &Variable::key) > 0) continue;
+    if (*value == 0 && is_absent_at_zero(key.name)) continue;
+    if (key.name == "scene.sling-damping" && job.scene.sling_stiffness == 0) continue;
+    names.push_back(key.name);
+  }
+  return names;
+}
+
+Sensitivity sensitivity(const Job& job, const std::string& key, const Parameters& parameters,
+                        const std::vector<PartOptimum>& parts) {
+  constexpr double same = 1e-6;
+  Sensitivity sum = sensitivity(job, key, parameters, parts.front());
+  for (auto part = parts.begin() + 1; part != parts.end(); ++part) {
+    const Sensitivity other = sensitivity(job, key, parameters, *part);
+    if (!(std::abs(other.at_design - sum.at_design) <= same * std::abs(sum.at_design)))
+      sum.at_design = std::nan("");
+    sum.of_optimum += other.of_optimum;
+  }
+  return sum;
 }
 
 }  // namespace trebsweep

@@ -84,7 +84,7 @@ TEST_CASE("Sensitivities of the paper's optimum are differences of extended prec
     };
     const double step = value == 0 ? step_from_zero(name) : 1e-3 * value;
     const auto none = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(limits(problem).size()));
-    const Sensitivity found = sensitivity(job, problem, name, to_parameters(paper), none);
+    const Sensitivity found = sensitivity(job, name, to_parameters(paper), {{problem, 1, none}});
     CHECK(found.value == value);
     CHECK(found.at_design == Approx(derivative(speed, value, step)).epsilon(1e-6));
     CHECK(found.of_optimum == found.at_design);
@@ -134,7 +134,7 @@ pin-angle = 0.5)");
       const auto none = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(limits(problem).size()));
       const double exact = derivative(speed, value, 2e-4 * std::abs(value));
       const double margin = 1e-9 * speed(value) / std::abs(value);
-      CHECK(sensitivity(job, problem, name, to_parameters(design), none).at_design ==
+      CHECK(sensitivity(job, name, to_parameters(design), {{problem, 1, none}}).at_design ==
             Approx(exact).epsilon(1e-6).margin(margin));
     }
   }
@@ -173,8 +173,8 @@ TEST_CASE("The sensitivity of the optimum is that of optima found in changed sce
         return optimum_of(with_key(job, name, v), optimum.design).value;
       };
       const double h = 2e-4 * value, exact = (best(value + h) - best(value - h)) / (2 * h);
-      const Sensitivity found = sensitivity(job, optimum.problem, name,
-                                            to_parameters(optimum.design), optimum.derivatives);
+      const Sensitivity found = sensitivity(job, name, to_parameters(optimum.design),
+                                            {{optimum.problem, 1, optimum.derivatives}});
       CHECK(found.of_optimum == Approx(exact).epsilon(1e-3).margin(1e-5 * optimum.value / value));
     }
   }

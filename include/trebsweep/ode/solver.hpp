@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -25,6 +26,11 @@ enum class Release {
 inline constexpr std::array<std::string_view, 5> release_names{"crossing", "window", "pin",
                                                                "farthest", "fastest"};
 
+/// The steps of a swing that begin within it: not before `from` and before `until`, s.
+struct TimeWindow {
+  double from = 0, until = std::numeric_limits<double>::infinity();
+};
+
 /// How swings are integrated. With the defaults, the speeds of the paper's lattice are accurate to
 /// 1.5e-8 m/s.
 struct Solver {
@@ -40,6 +46,7 @@ struct Solver {
   double max_time = 10;               ///< s: a swing without a release by then is not_released
   std::uint64_t max_steps = 1000000;  ///< per swing, accepted and rejected
   bool check = true;                  ///< whether a sweep measures the error of its speeds
+  TimeWindow recorded = {};           ///< the steps that count for extremes; not a key
 };
 
 /// The step (s) of a solver with a fixed stepper, else its tolerance.

@@ -9,7 +9,7 @@
 
 #include "trebsweep/base/progress.hpp"
 #include "trebsweep/optimum/design_problem.hpp"
-#include "trebsweep/optimum/local_search.hpp"
+#include "trebsweep/optimum/swing_parts.hpp"
 
 namespace trebsweep {
 
@@ -30,7 +30,7 @@ struct Found {
 };
 
 /// A search from parameters, which adds the number of designs that it integrates to `integrated`.
-using Search = std::function<KktPoint(const Parameters& start, std::uint64_t& integrated)>;
+using Search = std::function<ProblemOptimum(const Parameters& start, std::uint64_t& integrated)>;
 
 /// Searches from several parameters, each on one of the ranks, and returns the feasible ends, best
 /// first. Adds to `integrated`. Collective.

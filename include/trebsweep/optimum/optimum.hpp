@@ -54,9 +54,10 @@ struct OptimumResult {
   bool is_on_target;
   double error;         ///< of the value: its distance from the value in extended precision
   double release_time;  ///< s
-  /// Whether the conditions of Karush, Kuhn and Tucker hold. Not where a function has a kink at the
-  /// optimum, as on a target, or designs next to it have no release.
+  /// Whether the conditions of Karush, Kuhn and Tucker hold. Not on a target, or where designs next
+  /// to the optimum have no release.
   bool converged;
+  bool has_kink;  ///< whether they hold at a kink of the objective: extremes of a swing are equal
   std::optional<UnsafeDesign> unsafe;  ///< if there is one, the optimum is the best safe design
   std::vector<BuildValue> values;      ///< what a builder needs to know
   std::vector<ActiveLimit> active;     ///< empty if not converged

@@ -23,7 +23,7 @@ class Releases {
         stepper_(stepper),
         fields_(fields),
         values_(values),
-        request_(fields, scene),
+        request_(fields, scene, solver.recorded),
         rule_(solver) {}
 
   /// Makes the releases the ends of the last steps, writes the fields, and calls

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <bitset>
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
 #include <span>
 
 #include "trebsweep/ode/any_stepper.hpp"
+#include "trebsweep/ode/solver.hpp"
 #include "trebsweep/swing/field.hpp"
 #include "trebsweep/swing/load_samples.hpp"
 #include "trebsweep/swing/peak.hpp"
@@ -69,9 +71,11 @@ inline constexpr std::array<LoadExtreme<T>, 9> load_extremes{{
     {Field::peak_beam_stress, &R::peak_stress, &L::beam_stress, Kind::largest_magnitude},
 }};
 
-/// The quantities of a SwingRecord that some fields of a scene need.
+/// The quantities of a SwingRecord that some fields of a scene need, and the steps that count for
+/// its extremes.
 struct RecordRequest {
-  RecordRequest(std::span<const Field> fields, const Scene& scene) {
+  RecordRequest(std::span<const Field> fields, const Scene& scene, const TimeWindow& recorded)
+      : window(recorded), counts_all(window.from <= 0 && std::isinf(window.until)) {
     for (const Field field : fields) {
       for (std::size_t i = 0; i < extremes.size(); ++i)
         if (load_extremes<double>[i].serves(field)) extremes.set(i);
@@ -83,6 +87,8 @@ struct RecordRequest {
   bool steps() const { return extremes.any() || loss; }
   bool any() const { return steps() || lift_off; }
 
+  TimeWindow window;
+  bool counts_all;
   std::bitset<load_extremes<double>.size()> extremes;
   bool loss = false, lift_off = false;
 };
@@ -213,9 +219,14 @@ SwingRecord<T> record_step(SwingRecord<T> record, const RecordRequest& request,
                            const Motion<T, E>& motion, const Mechanism<T, E>& mechanism,
                            const Instant<T, E>& from, const Instant<T, E>& to, const T& h) {
   if (request.loss) record.loss += h * mean_lost_power(stepper, motion, mechanism, from, to, h);
-  if (request.extremes.any())
-    record = record_loads(record, request, stepper, tolerance, motion, mechanism, from, to, h);
-  return record;
+  if (!request.extremes.any()) return record;
+  SwingRecord<T> after =
+      record_loads(record, request, stepper, tolerance, motion, mechanism, from, to, h);
+  if (request.counts_all) return after;
+  const auto counts = (from.t >= T(request.window.from)) & (from.t < T(request.window.until));
+  for (const LoadExtreme<T>& what : load_extremes<T>)
+    after.*what.extreme = select(counts, after.*what.extreme, record.*what.extreme);
+  return after;
 }
 
 }  // namespace trebsweep

@@ -39,7 +39,7 @@ class Swings {
       : scene_(scene),
         solver_(solver),
         stepper_(stepper),
-        request_(fields, scene),
+        request_(fields, scene, solver.recorded),
         next_(next),
         done_(done),
         observe_(observe),
