@@ -186,6 +186,7 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   const double max_violation = std::max(start.violation, 0.01);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Step step = step_with_active_set(*c, multipliers, active);
+    multipliers = step.multipliers;  // better ones also where the step is refused
     const VectorXd d = step.d.head(n);
     const double length = d.norm();
     // Where only steps far shorter than the model's do not lead away, the model does not hold.
@@ -198,7 +199,6 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
       continue;
     }
     reach = std::min(2 * reach, max_reach);
-    multipliers = step.multipliers;
     visited.push_back(point);
     solution = {point, multipliers.tail(solution.multipliers.size()),
                 length < converged && step.residual < max_residual,
