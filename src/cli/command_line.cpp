@@ -22,7 +22,7 @@ namespace {
 namespace po = boost::program_options;
 
 /// In the order of ProgressStyle.
-constexpr std::array progress_names{"auto", "bar", "lines", "none"};
+constexpr std::array<std::string_view, 4> progress_names{"auto", "bar", "lines", "none"};
 
 Command to_command(const std::string& name) {
   if (name == "sweep") return Command::sweep;
@@ -35,11 +35,12 @@ Command to_command(const std::string& name) {
                   shortened(name)));
 }
 
-ProgressStyle to_progress(const std::string& value) {
-  const auto found = std::find(progress_names.begin(), progress_names.end(), value);
-  if (found == progress_names.end())
-    refuse("progress", value, fmt::format("one of {}", fmt::join(progress_names, ", ")));
-  return static_cast<ProgressStyle>(found - progress_names.begin());
+/// The place of an option's value among its names.
+std::ptrdiff_t place_of(const char* option, const std::string& value,
+                        std::span<const std::string_view> names) {
+  const auto found = std::ranges::find(names, value);
+  if (found == names.end()) refuse(option, value, fmt::format("one of {}", fmt::join(names, ", ")));
+  return found - names.begin();
 }
 
 /// Parses the arguments after the command.
@@ -151,7 +152,12 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   line.flight = given.count("flight") > 0;
   line.verify = given.count("verify") > 0;
   if (given.count("snapshot")) line.snapshot = text_of(given, "snapshot");
-  if (given.count("progress")) line.progress = to_progress(text_of(given, "progress"));
+  if (given.count("progress"))
+    line.progress = static_cast<ProgressStyle>(
+        place_of("progress", text_of(given, "progress"), progress_names));
+  if (given.count("units"))
+    line.units =
+        static_cast<UnitSystem>(place_of("units", text_of(given, "units"), unit_system_names));
   if (given.count("time-limit"))
     line.time_limit = to_seconds("time-limit", text_of(given, "time-limit"));
   if (given.count("interval"))

@@ -99,11 +99,12 @@ int run_optimum(const CommandLine& line) {
       const auto front = pareto_front(job, *line.pareto, options, MPI_COMM_WORLD);
       if (is_root())
         print_result(line.json ? to_json(front, *line.pareto, job) + "\n"
-                               : to_text(front, *line.pareto, job));
+                               : to_text(front, *line.pareto, job, line.units));
       return complete;
     }
     const auto result = find_optimum(job, options, MPI_COMM_WORLD);
-    if (is_root()) print_result((line.json ? to_json(*result, job) : to_text(*result, job)) + "\n");
+    if (is_root())
+      print_result((line.json ? to_json(*result, job) : to_text(*result, job, line.units)) + "\n");
     return complete;
   } catch (const NoOptimum& error) {
     if (is_root()) print_message(fmt::format("trebsweep: {}\n", error.what()));

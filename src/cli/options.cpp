@@ -52,6 +52,9 @@ po::options_description command_options(Command command) {
       add("pareto", po::value<std::vector<std::string>>()->multitoken()->value_name("A,B [POINTS]"),
           "after the job: instead of one optimum, the Pareto front of two objectives, such as "
           "\"range, -peak-axle-load\" 20; 20 points unless given");
+      add("units", text("NAME"),
+          "units of the text: si (default), us (ft, mph, lbf, psi, lb, deg) or deg (the SI with "
+          "degrees); keys, formulas and JSON stay in the SI");
       add("progress", text("STYLE"), "progress on stderr: auto (default), bar, lines or none");
       break;
     case Command::assess:

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "trebsweep/job/key.hpp"
+#include "trebsweep/job/unit.hpp"
 
 namespace trebsweep {
 namespace {
@@ -44,13 +45,23 @@ Amount quotient_of(const Amount& a, const Amount& b) {
   return {a.value / b.value, a.magnitude / std::abs(b.value)};
 }
 
-/// Two expressions joined by an operation. A number takes the unit of the other one.
+/// Whether a sum has terms of which one is a number with another unit than the other's.
+bool has_wrong_unit(const Expression& a, const Expression& b) {
+  return (a.is_constant || b.is_constant) && !a.unit.empty() && !b.unit.empty() && a.unit != b.unit;
+}
+
+/// The unit of a sum or, if it does not keep units, of a product. A number without a unit takes
+/// that of the other operand.
+std::string joined_unit(const Expression& a, const Expression& b, bool keeps_unit) {
+  if (a.is_constant && a.unit.empty()) return b.unit;
+  if (b.is_constant && b.unit.empty()) return a.unit;
+  return keeps_unit && a.unit == b.unit ? a.unit : "";
+}
+
+/// Two expressions joined by an operation.
 Expression joined(Expression a, const Expression& b, bool keeps_unit,
                   Amount operation(const Amount&, const Amount&)) {
-  if (a.is_constant)
-    a.unit = b.unit;
-  else if (!b.is_constant && !(keeps_unit && a.unit == b.unit))
-    a.unit = "";
+  a.unit = joined_unit(a, b, keeps_unit);
   a.is_constant = a.is_constant && b.is_constant;
   a.distance = 0;
   a.fields.insert(a.fields.end(), b.fields.begin(), b.fields.end());
@@ -92,6 +103,12 @@ x3::symbols<Expression> operand_names() {
   return names;
 }
 
+x3::symbols<Unit> unit_symbols() {
+  x3::symbols<Unit> symbols;
+  for (const NamedUnit& named : named_units()) symbols.add(std::string(named.name), named.unit);
+  return symbols;
+}
+
 /// Numbers without "nan" and "inf".
 struct FinitePolicies : x3::real_policies<double> {
   template <class Iterator, class Attribute>
@@ -109,10 +126,21 @@ const x3::real_parser<double, FinitePolicies> finite_number;
 const auto set = [](auto& context) { x3::_val(context) = x3::_attr(context); };
 const auto set_number = [](auto& context) { x3::_val(context) = constant(x3::_attr(context)); };
 
+const auto set_unit = [](auto& context) {
+  const Unit unit = x3::_attr(context);
+  Expression& number = x3::_val(context);
+  number.unit = si_unit(unit);
+  number.amount = [=, f = number.amount](const Operands& x) {
+    return amount_of(f(x).value * unit.factor);
+  };
+};
+
 const auto add = [](auto& context) {
+  x3::_pass(context) = !has_wrong_unit(x3::_val(context), x3::_attr(context));
   x3::_val(context) = joined(x3::_val(context), x3::_attr(context), true, sum_of);
 };
 const auto subtract = [](auto& context) {
+  x3::_pass(context) = !has_wrong_unit(x3::_val(context), x3::_attr(context));
   x3::_val(context) = joined(x3::_val(context), x3::_attr(context), true, difference_of);
 };
 const auto multiply = [](auto& context) {
@@ -139,7 +167,7 @@ const auto sum_def = product[set] >> *(('+' >> product[add]) | ('-' >> product[s
 const auto product_def = factor[set] >> *(('*' >> factor[multiply]) | ('/' >> factor[divide]));
 const auto factor_def = (x3::lit("abs") >> '(' >> sum[set_distance] >> ')') |
                         ('(' >> sum[set] >> ')') | ('-' >> factor[negate]) | operand_names()[set] |
-                        finite_number[set_number];
+                        (finite_number[set_number] >> -unit_symbols()[set_unit]);
 BOOST_SPIRIT_DEFINE(sum, product, factor)
 
 }  // namespace
@@ -200,7 +228,8 @@ std::optional<Expression> to_expression(std::string_view text) {
 
 std::string allowed_expressions() {
   return "one of " + quantity_names() +
-         ", or a formula with + - * / ( ) abs() of these, r1, r2, r3 and numeric keys of [scene]";
+         ", or a formula with + - * / ( ) abs() of these, r1, r2, r3, numeric keys of [scene] and "
+         "numbers with or without a unit";
 }
 
 }  // namespace trebsweep

@@ -132,6 +132,35 @@ std::optional<std::array<int, 4>> dimension_of(std::string_view unit) {
 
 std::span<const NamedUnit> named_units() { return units; }
 
+std::string si_unit(const Unit& unit) {
+  for (const NamedUnit& named : units)
+    if (named.unit.factor == 1 && named.unit.dimension == unit.dimension)
+      return std::string(named.name);
+  constexpr std::array names{"kg", "m", "s", "rad"};
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const int exponent = unit.dimension[i];
+    if (exponent == 0) continue;
+    text += fmt::format("{}{}{}", text.empty() ? "" : " ", names[i],
+                        exponent == 1 ? "" : fmt::format("{}", exponent));
+  }
+  return text;
+}
+
+ShownUnit shown_unit(std::string_view unit, UnitSystem system) {
+  using Names = std::pair<std::string_view, std::string_view>;  // in the SI, and customary
+  constexpr std::array customary{Names{"m", "ft"}, Names{"m/s", "mph"}, Names{"N", "lbf"},
+                                 Names{"Pa", "psi"}, Names{"kg", "lb"}};
+  const std::string text = unit_text(unit);
+  const auto of = [](std::string_view name) {
+    return ShownUnit{std::string(name), to_unit(name).value().factor};
+  };
+  if (text == "rad" && system != UnitSystem::si) return of("deg");
+  const auto found = std::ranges::find(customary, text, &Names::first);
+  if (system == UnitSystem::us && found != customary.end()) return of(found->second);
+  return {text, 1};
+}
+
 std::string unit_names() {
   std::vector<std::string_view> names;
   for (const NamedUnit& unit : units) names.push_back(unit.name);

@@ -55,13 +55,16 @@ Parameters to_parameters(const Design<double>& design) {
   return Eigen::Vector3d(design.r1, design.r3, design.r2);
 }
 
-std::string to_text(const Parameters& parameters, std::span<const Variable> variables) {
-  const auto& r = parameters;
-  std::string text = fmt::format("r1 = {:.7f}, r2 = {:.7f}, r3 = {:.7f} m", r(0), r(2), r(1));
+std::string to_text(const Parameters& parameters, std::span<const Variable> variables,
+                    UnitSystem units) {
+  const ShownUnit length = shown_unit("m", units);
+  const Eigen::Vector3d r = parameters.head(length_count) / length.factor;
+  std::string text =
+      fmt::format("r1 = {:.7f}, r2 = {:.7f}, r3 = {:.7f} {}", r(0), r(2), r(1), length.name);
   for (Index i = length_count; const Variable& variable : variables) {
-    const std::string unit = unit_of(variable);
-    text +=
-        fmt::format(", {} = {:.7g}{}{}", variable.name(), r(i++), unit.empty() ? "" : " ", unit);
+    const auto [unit, factor] = shown_unit(unit_of(variable), units);
+    text += fmt::format(", {} = {:.7g}{}{}", variable.name(), parameters(i++) / factor,
+                        unit.empty() ? "" : " ", unit);
   }
   return text;
 }

@@ -98,7 +98,8 @@ std::vector<ParetoPoint> pareto_front(const Job& given, const ParetoSpec& spec,
   return front;
 }
 
-std::string to_text(const std::vector<ParetoPoint>& front, const ParetoSpec& spec, const Job& job) {
+std::string to_text(const std::vector<ParetoPoint>& front, const ParetoSpec& spec, const Job& job,
+                    UnitSystem units) {
   const DesignSpace space = design_space(job);
   std::vector<TextColumn> columns;
   const auto add = [&](const std::string& name, const std::string& unit, auto value) {
@@ -106,18 +107,23 @@ std::string to_text(const std::vector<ParetoPoint>& front, const ParetoSpec& spe
     for (const ParetoPoint& point : front) column.cells.push_back(value(point));
     columns.push_back(column);
   };
-  const std::string first = unit_text(to_expression(spec.first).value().unit);
-  const std::string second = unit_text(to_expression(spec.second).value().unit);
-  add(spec.first, first, [](const ParetoPoint& p) { return cell(p.first, 8); });
-  add(spec.second, second, [](const ParetoPoint& p) { return cell(p.second, 8); });
-  add("multiplier", second.empty() ? first : fmt::format("{} per {}", first, second),
-      [](const ParetoPoint& p) { return cell(p.multiplier, 5); });
+  const ShownUnit first = shown_unit(to_expression(spec.first).value().unit, units);
+  const ShownUnit second = shown_unit(to_expression(spec.second).value().unit, units);
+  add(spec.first, first.name,
+      [&](const ParetoPoint& p) { return cell(p.first / first.factor, 8); });
+  add(spec.second, second.name,
+      [&](const ParetoPoint& p) { return cell(p.second / second.factor, 8); });
+  add("multiplier",
+      second.name.empty() ? first.name : fmt::format("{} per {}", first.name, second.name),
+      [&](const ParetoPoint& p) { return cell(p.multiplier * second.factor / first.factor, 5); });
   std::vector<std::size_t> order{0, 2, 1};  // r1, r2, r3
   for (std::size_t d = order.size(); d < space.names.size(); ++d) order.push_back(d);
-  for (const std::size_t d : order)
-    add(space.names[d], space.units[d], [d](const ParetoPoint& p) {
-      return cell(p.result.parameters(static_cast<Eigen::Index>(d)), 7);
+  for (const std::size_t d : order) {
+    const ShownUnit unit = shown_unit(space.units[d], units);
+    add(space.names[d], unit.name, [&](const ParetoPoint& p) {
+      return cell(p.result.parameters(static_cast<Eigen::Index>(d)) / unit.factor, 7);
     });
+  }
   std::string text;
   for (const std::string& line : aligned(columns)) text += line + "\n";
   return text;

@@ -5,31 +5,63 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/constants/constants.hpp>
 #include <cmath>
 
 #include "trebsweep/base/number.hpp"
 #include "trebsweep/job/buildable.hpp"
 #include "trebsweep/job/key.hpp"
-#include "trebsweep/optimum/design_space.hpp"
+#include "trebsweep/job/unit.hpp"
+#include "trebsweep/optimum/design_problem.hpp"
 
 namespace trebsweep {
 namespace {
 
-std::string unit_of(const OptimumResult& result) { return unit_text(result.objective.unit); }
+/// A number and its unit as they are shown.
+struct Quantity {
+  double value;
+  std::string unit;  ///< with a space before it, or empty
+};
 
-/// A unit after a number: " m/s", or nothing for a number without a unit.
-std::string after_number(const std::string& unit) { return unit.empty() ? "" : " " + unit; }
-
-/// The unit of a derivative: " m/s per m".
-std::string per(const std::string& unit, const std::string& by) {
-  return after_number(unit) + (by.empty() ? "" : " per " + by);
+Quantity shown(double value, std::string_view unit, UnitSystem units) {
+  const auto [name, factor] = shown_unit(unit, units);
+  return {value / factor, name.empty() ? "" : " " + name};
 }
 
-/// An angle in radians and degrees.
-std::string angle_text(double angle, int digits) {
-  return fmt::format("{:.{}g} rad ({:.4g} deg)", angle, digits,
-                     angle / boost::math::double_constants::degree);
+/// A number with its unit: "1.25 m".
+std::string number_text(double value, std::string_view unit, UnitSystem units, int digits) {
+  const Quantity quantity = shown(value, unit, units);
+  return fmt::format("{:.{}g}{}", quantity.value, digits, quantity.unit);
+}
+
+/// A value of the objective.
+std::string value_text(const OptimumResult& result, double value, UnitSystem units,
+                       int digits = 9) {
+  return number_text(value, result.objective.unit, units, digits);
+}
+
+/// An angle in radians and degrees, or in degrees.
+std::string angle_text(double angle, UnitSystem units, int digits) {
+  if (units != UnitSystem::si) return number_text(angle, "rad", units, digits);
+  return fmt::format("{} ({})", number_text(angle, "rad", units, digits),
+                     number_text(angle, "rad", UnitSystem::deg, 4));
+}
+
+/// A limit such as "range >= 80", whose number is in a unit of the SI. Where that is shown in
+/// another, the unit follows.
+std::string limit_text(const std::string& limit, const Job& job, UnitSystem units) {
+  const std::size_t place = limit.rfind("= ");
+  double number = 0;
+  if (units == UnitSystem::si || place == std::string::npos ||
+      !parse_number(limit.substr(place + 2), number))
+    return limit;
+  const std::string name = limit.substr(0, limit.find_first_of("<>") - 1);
+  const DesignSpace space = design_space(job);
+  std::string unit = "m";  // of a limit of the space
+  if (const auto found = std::ranges::find(space.names, name); found != space.names.end())
+    unit = space.units[static_cast<std::size_t>(found - space.names.begin())];
+  for (const Constraint& constraint : constraints_of(searched_job(job)))
+    if (constraint.expression.text == name) unit = constraint.expression.unit;
+  return limit.substr(0, place + 2) + number_text(number, unit, units, 9);
 }
 
 /// The words for a smaller and a larger value.
@@ -38,27 +70,29 @@ constexpr Comparatives shorter_or_longer{"shorter", "longer"}, less_or_more{"les
 
 /// By how much a length or another quantity may be off.
 std::string allowance_text(const Allowance& allowance, const std::string& unit,
-                           const Comparatives& words) {
+                           const Comparatives& words, const Job& job, UnitSystem units) {
   const auto side = [&](double amount, const char* word, const std::string& limit) {
-    const std::string reached = limit.empty() ? "" : fmt::format(" ({})", limit);
+    const std::string reached =
+        limit.empty() ? "" : fmt::format(" ({})", limit_text(limit, job, units));
     if (std::isinf(amount))
       return fmt::format("any {} {}",
                          unit == "m"     ? "length"
                          : unit == "rad" ? "angle"
                                          : "value",
                          word);
-    if (unit == "rad") return fmt::format("{} {}{}", angle_text(amount, 4), word, reached);
-    if (unit == "m") return fmt::format("{:.4f} m {}{}", amount, word, reached);
-    return fmt::format("{:.4g}{} {}{}", amount, after_number(unit), word, reached);
+    if (unit == "rad") return fmt::format("{} {}{}", angle_text(amount, units, 4), word, reached);
+    const auto [value, name] = shown(amount, unit, units);
+    if (unit == "m") return fmt::format("{:.4f}{} {}{}", value, name, word, reached);
+    return fmt::format("{:.4g}{} {}{}", value, name, word, reached);
   };
   return fmt::format("{} or {}", side(allowance.less, words[0], allowance.less_limit),
                      side(allowance.more, words[1], allowance.more_limit));
 }
 
-std::string pin_allowance_text(const OptimumResult& result) {
+std::string pin_allowance_text(const OptimumResult& result, const Job& job, UnitSystem units) {
   if (!result.pin_allowance) return "";
   return fmt::format("           pin: {}\n",
-                     allowance_text(*result.pin_allowance, "rad", less_or_more));
+                     allowance_text(*result.pin_allowance, "rad", less_or_more, job, units));
 }
 
 /// Whether the job gives all lengths.
@@ -68,7 +102,7 @@ bool is_given(const Job& job) {
 }
 
 /// What each limit is worth.
-std::string limits_text(const OptimumResult& result, const Job& job) {
+std::string limits_text(const OptimumResult& result, const Job& job, UnitSystem units) {
   if (result.is_on_target) return "limits     none: the target is met\n";
   if (result.unsafe) return "limits     unknown: the optimum is not a stationary point\n";
   if (!result.converged)
@@ -80,37 +114,42 @@ std::string limits_text(const OptimumResult& result, const Job& job) {
                          : job.optimum.robust == Robust::expected ? " (of the expected value)"
                                                                   : "";
   std::string text;
-  for (const auto& [constraint, units, multiplier] : result.active)
-    text += fmt::format("{:10} {}: {:+.6g}{}{}\n", text.empty() ? "limits" : "", constraint,
-                        multiplier, per(unit_of(result), unit_text(units)), of);
+  for (const auto& [constraint, limit_unit, multiplier] : result.active) {
+    const auto [value, unit] = shown(multiplier, result.objective.unit, units);
+    const auto [by, factor] = shown_unit(limit_unit, units);
+    text += fmt::format("{:10} {}: {:+.6g}{}{}{}{}\n", text.empty() ? "limits" : "",
+                        limit_text(constraint, job, units), value * factor, unit,
+                        by.empty() ? "" : " per ", by, of);
+  }
   if (result.has_kink)
     text += "kink       extremes of the swing are equal: the objective has no gradient\n";
   return text;
 }
 
 /// Why the optimum is not the design with the largest value.
-std::string unsafe_text(const OptimumResult& result, const Job& job) {
+std::string unsafe_text(const OptimumResult& result, const Job& job, UnitSystem units) {
   if (!result.unsafe) return "";
   const auto& [parameters, value] = *result.unsafe;
   const double deviation = job.optimum.deviation;
   return fmt::format(
       "           the best design found that tolerates lengths off by up to {}:\n"
-      "           the {} jumps or falls steeply, or a constraint jumps, next to {:.9g}{} at {}\n",
-      deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %", result.objective.text, value,
-      after_number(unit_of(result)), to_text(parameters, job.optimum.variables));
+      "           the {} jumps or falls steeply, or a constraint jumps, next to {} at {}\n",
+      deviation > 0 ? number_text(deviation, "m", units, 6) : "0.1 %", result.objective.text,
+      value_text(result, value, units), to_text(parameters, job.optimum.variables, units));
 }
 
 /// A field at the optimum, if it is known: "the_name 1.25 m".
-std::string value_text(const OptimumResult& result, Field field, const char* name) {
+std::string field_text(const OptimumResult& result, Field field, const char* name,
+                       UnitSystem units) {
   const auto found = std::ranges::find(result.values, field, &BuildValue::field);
   if (found == result.values.end()) return "";
   const double value = std::abs(found->value) < 1e-9 ? 0 : found->value;  // rounding errors
-  if (field == Field::pin_angle) return fmt::format("{} {}", name, angle_text(value, 10));
-  return fmt::format("{} {:.6g}{}", name, value, after_number(unit_text(info(field).units)));
+  if (field == Field::pin_angle) return fmt::format("{} {}", name, angle_text(value, units, 10));
+  return fmt::format("{} {}", name, number_text(value, info(field).units, units, 6));
 }
 
 /// What a builder needs to know, a line for each kind of quantity.
-std::string build_text(const OptimumResult& result) {
+std::string build_text(const OptimumResult& result, UnitSystem units) {
   using Names = std::vector<std::pair<Field, const char*>>;
   const std::array<std::pair<const char*, Names>, 4> lines{
       {{"at release",
@@ -131,18 +170,21 @@ std::string build_text(const OptimumResult& result) {
   for (const auto& [label, names] : lines) {
     std::vector<std::string> parts;
     for (const auto& [field, name] : names)
-      if (const std::string part = value_text(result, field, name); !part.empty())
+      if (const std::string part = field_text(result, field, name, units); !part.empty())
         parts.push_back(part);
     if (!parts.empty()) text += fmt::format("{:10} {}\n", label, fmt::join(parts, ", "));
   }
   if (const auto& wind = result.range_with_wind)
-    text += fmt::format("wind       range {:.6g} m with {} m/s less wind, {:.6g} m with more\n",
-                        wind->less, WindRange::speed, wind->more);
+    text += fmt::format("wind       range {} with {} less wind, {} with more\n",
+                        number_text(wind->less, "m", units, 6),
+                        number_text(WindRange::speed, "m/s", units, 6),
+                        number_text(wind->more, "m", units, 6));
   return text;
 }
 
 /// The ends of the job's axes beyond which lengths that are off reach: "r1 < 0.52 m".
-std::vector<std::string> ends_crossed(const OptimumResult& result, const Job& job) {
+std::vector<std::string> ends_crossed(const OptimumResult& result, const Job& job,
+                                      UnitSystem units) {
   const DesignSpace space = design_space(job);
   const std::array axes{&job.lattice.r1, &job.lattice.r3, &job.lattice.r2};
   const double deviation = job.optimum.deviation;
@@ -152,30 +194,34 @@ std::vector<std::string> ends_crossed(const OptimumResult& result, const Job& jo
     if (!*axes[d] || !(space.lower(i) < space.upper(i))) continue;
     const double length = result.parameters(i);
     if (length - deviation < space.lower(i))
-      crossed.push_back(fmt::format("{} < {:.9g} m", space.names[d], space.lower(i)));
+      crossed.push_back(
+          fmt::format("{} < {}", space.names[d], number_text(space.lower(i), "m", units, 9)));
     if (length + deviation > space.upper(i))
-      crossed.push_back(fmt::format("{} > {:.9g} m", space.names[d], space.upper(i)));
+      crossed.push_back(
+          fmt::format("{} > {}", space.names[d], number_text(space.upper(i), "m", units, 9)));
   }
   return crossed;
 }
 
-std::string robustness_text(const OptimumResult& result, const Job& job) {
+std::string robustness_text(const OptimumResult& result, const Job& job, UnitSystem units) {
   if (!result.robustness) return "";
   const auto [worst, expected, unreleased] = *result.robustness;
-  const std::string values = unreleased ? fmt::format("no worst value, {} has no release",
-                                                      to_text(*unreleased, job.optimum.variables))
-                                        : fmt::format("worst {:.9g}, expected {:.9g}{}", worst,
-                                                      expected, after_number(unit_of(result)));
-  std::string text =
-      fmt::format("deviation  lengths off by up to {} m: {}\n", job.optimum.deviation, values);
-  if (const auto crossed = ends_crossed(result, job); !crossed.empty())
+  const std::string values = unreleased
+                                 ? fmt::format("no worst value, {} has no release",
+                                               to_text(*unreleased, job.optimum.variables, units))
+                                 : fmt::format("worst {:.9g}, expected {}",
+                                               shown(worst, result.objective.unit, units).value,
+                                               value_text(result, expected, units));
+  std::string text = fmt::format("deviation  lengths off by up to {}: {}\n",
+                                 number_text(job.optimum.deviation, "m", units, 6), values);
+  if (const auto crossed = ends_crossed(result, job, units); !crossed.empty())
     text +=
         fmt::format("           some of them are beyond an axis: {}\n", fmt::join(crossed, ", "));
   return text;
 }
 
 /// How precisely to build.
-std::string precision_text(const OptimumResult& result, const Job& job) {
+std::string precision_text(const OptimumResult& result, const Job& job, UnitSystem units) {
   const DesignSpace space = design_space(job);
   std::vector<std::size_t> order{0, 2, 1};  // r1, r2, r3
   for (std::size_t d = order.size(); d < space.names.size(); ++d) order.push_back(d);
@@ -184,16 +230,19 @@ std::string precision_text(const OptimumResult& result, const Job& job) {
     const auto i = static_cast<Eigen::Index>(d);
     const auto& words = d < length_count ? shorter_or_longer : less_or_more;
     text += fmt::format("{:10} {}: {}", text.empty() ? "1 % lost" : "", space.names[d],
-                        allowance_text(result.allowances[d], space.units[d], words));
+                        allowance_text(result.allowances[d], space.units[d], words, job, units));
+    const double value = shown_unit(result.objective.unit, units).factor;
+    const double by = shown_unit(space.units[d], units).factor;
     if (!std::isnan(result.gradient(i)))
-      text += fmt::format("; gradient {:+.4g}, curvature {:+.4g}", result.gradient(i),
-                          result.hessian(i, i));
+      text += fmt::format("; gradient {:+.4g}, curvature {:+.4g}", result.gradient(i) * by / value,
+                          result.hessian(i, i) * by * by / value);
     text += "\n";
   }
-  return text + pin_allowance_text(result);
+  return text + pin_allowance_text(result, job, units);
 }
 
-std::string sensitivities_text(const OptimumResult& result) {
+std::string sensitivities_text(const OptimumResult& result, UnitSystem units) {
+  const double of_value = shown_unit(result.objective.unit, units).factor;
   std::string text = fmt::format("{:34}{:>18}", "change of the value", "lengths kept");
   const bool both = !std::ranges::all_of(
       result.sensitivities, [](const auto& s) { return std::isnan(s.second.of_optimum); });
@@ -201,24 +250,25 @@ std::string sensitivities_text(const OptimumResult& result) {
   for (const auto& [name, sensitivity] : result.sensitivities) {
     const Key& key = *std::ranges::find(job_keys(), "scene." + name, &Key::name);
     const auto& [value, at_design, of_optimum] = sensitivity;
-    const double change = value == 0 ? 1 : 0.01 * std::abs(value);
+    const auto [unit, factor] = shown_unit(key.unit, units);
+    const double change = (value == 0 ? factor : 0.01 * std::abs(value)) / of_value;
     const std::string label =
-        value == 0 ? fmt::format("{} per {}", name, key.unit) : fmt::format("{} + 1 %", name);
+        value == 0 ? fmt::format("{} per {}", name, unit) : fmt::format("{} + 1 %", name);
     text += fmt::format("{:34}{:>+18.6g}", label, change * at_design);
     text += both ? fmt::format("{:>+18.6g}\n", change * of_optimum) : "\n";
   }
   return text;
 }
 
-std::string maxima_text(const OptimumResult& result, const Job& job) {
+std::string maxima_text(const OptimumResult& result, const Job& job, UnitSystem units) {
   const auto& maxima = result.maxima;
   std::string text =
       fmt::format("maxima     {} found from {} start{}; {} led to the optimum\n", maxima.size(),
                   result.starts, result.starts == 1 ? "" : "s", maxima.front().starts);
   if (maxima.size() > 1)
-    text += fmt::format("           the next best is {:.9g}{} at {}\n", maxima[1].value,
-                        after_number(unit_of(result)),
-                        to_text(maxima[1].parameters, job.optimum.variables));
+    text += fmt::format("           the next best is {} at {}\n",
+                        value_text(result, maxima[1].value, units),
+                        to_text(maxima[1].parameters, job.optimum.variables, units));
   return text;
 }
 
@@ -238,38 +288,38 @@ Job found_job(const OptimumResult& result, const Job& job) {
   return with_variables(job, result.parameters.tail(result.parameters.size() - length_count));
 }
 
-std::vector<std::string> warnings(const OptimumResult& result, const Job& job) {
+std::vector<std::string> warnings(const OptimumResult& result, const Job& job, UnitSystem units) {
   std::vector<std::string> texts;
   for (const BuildProblem& problem : problems(result, job)) texts.push_back(problem.text);
   if (result.objective.distance < 0 && !result.is_on_target)
-    texts.push_back(fmt::format("the target is not met: {} is {:.6g}{} at best",
-                                result.objective.text, result.value,
-                                after_number(unit_of(result))));
+    texts.push_back(fmt::format("the target is not met: {} is {} at best", result.objective.text,
+                                value_text(result, result.value, units, 6)));
   return texts;
 }
 
-std::string to_text(const OptimumResult& result, const Job& given_job) {
+std::string to_text(const OptimumResult& result, const Job& given_job, UnitSystem units) {
   const Job job = found_job(result, given_job);
-  const std::string unit = after_number(unit_of(result));
   const Solver solver = solver_of("vern8", 1e-13, job.solver);
   std::string text =
       fmt::format("scene      {}\nsolver     {}\n", scene_text(job), solver_text(solver));
-  text += fmt::format("optimum    {} {:.10g}{}, error {:.1g}\n", result.objective.text,
-                      result.value, unit, result.error);
-  text += unsafe_text(result, job);
-  text += fmt::format("design     {}, released at {:.8g} s\n",
-                      to_text(result.parameters, job.optimum.variables), result.release_time);
-  for (const std::string& warning : warnings(result, job))
+  text += fmt::format("optimum    {} {}, error {:.1g}\n", result.objective.text,
+                      value_text(result, result.value, units, 10),
+                      shown(result.error, result.objective.unit, units).value);
+  text += unsafe_text(result, job, units);
+  text +=
+      fmt::format("design     {}, released at {:.8g} s\n",
+                  to_text(result.parameters, job.optimum.variables, units), result.release_time);
+  for (const std::string& warning : warnings(result, job, units))
     text += fmt::format("warning    {}\n", warning);
-  text += build_text(result) + limits_text(result, job) + precision_text(result, job);
-  text += robustness_text(result, job);
-  text += maxima_text(result, job);
+  text += build_text(result, units) + limits_text(result, job, units);
+  text += precision_text(result, job, units) + robustness_text(result, job, units);
+  text += maxima_text(result, job, units);
   text += fmt::format("designs    {}", result.designs);
   if (result.coarse_increment > 0)
-    text +=
-        fmt::format(", those of the coarse sweep with a spacing of {} m", result.coarse_increment);
+    text += fmt::format(", those of the coarse sweep with a spacing of {}",
+                        number_text(result.coarse_increment, "m", units, 6));
   text += fmt::format("\nseconds    {:.2f}\n", result.seconds);
-  return result.is_on_target ? text : text + "\n" + sensitivities_text(result);
+  return result.is_on_target ? text : text + "\n" + sensitivities_text(result, units);
 }
 
 }  // namespace trebsweep

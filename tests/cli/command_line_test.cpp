@@ -34,6 +34,14 @@ TEST_CASE("A sweep takes a time limit; without one it is unlimited") {
                     contains("time-limit = soon: must be a time above 0, in seconds"));
 }
 
+TEST_CASE("optimum takes the units of its text, by default those of the SI") {
+  CHECK(parse({"optimum", "j"}).units == UnitSystem::si);
+  CHECK(parse({"optimum", "j", "--units", "us"}).units == UnitSystem::us);
+  CHECK(parse({"optimum", "j", "--units", "deg"}).units == UnitSystem::deg);
+  CHECK_THROWS_WITH(parse({"optimum", "j", "--units", "imperial"}),
+                    contains("units = imperial: must be one of si, us, deg"));
+}
+
 TEST_CASE("A negative number may be a separate argument after its option") {
   CHECK(parse({"sweep", "job.cfg", "--scene.gravity", "-1"}).overrides.at("scene.gravity") == "-1");
 }

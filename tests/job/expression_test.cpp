@@ -73,6 +73,24 @@ TEST_CASE("The unit is that of all operands of a sum, or of the only one of a pr
   CHECK(unit("r1 + r2 * r3").empty());
 }
 
+TEST_CASE("A number may have a unit, which is converted to the SI") {
+  CHECK(value_of("range - 50 yd") == Approx(80 - 50 * 0.9144));
+  CHECK(value_of("abs(range - 100ft)") == Approx(80 - 30.48).epsilon(1e-14));
+  CHECK(value_of("1 kN + peak-axle-load") == 6000);
+  CHECK(value_of("range / 2 cm") == 4000);
+  CHECK(value_of("range * 5 %") == 4);
+  CHECK(to_expression("range - 50 yd")->unit == "m");
+  CHECK(to_expression("2 ft + 1 m + r1")->unit == "m");
+  CHECK(to_expression("range / 2 cm")->unit.empty());
+  CHECK(to_expression("30 mph - impact-speed")->unit == "m s-1");
+}
+
+TEST_CASE("A number whose unit is not that of the other terms of a sum makes no expression") {
+  for (const char* text :
+       {"range - 50 lb", "3 s + range", "1 m + 2 kg + range", "range - 50 mx", "range - 50 m/s"})
+    CHECK_FALSE(to_expression(text));
+}
+
 TEST_CASE("A text that is no formula of known operands is no expression") {
   for (const char* text :
        {"",       " ",           "3",           "1 + 2",      "abs(3)",  "range +",

@@ -1,9 +1,12 @@
 #include "trebsweep/job/unit.hpp"
 
+#include <fmt/format.h>
+
 #include "job/parse.hpp"
 #include "support/catch.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/job/key.hpp"
+#include "trebsweep/swing/field.hpp"
 
 #if __has_include(<udunits2.h>)
 #include <udunits2.h>
@@ -206,4 +209,33 @@ TEST_CASE("The laboratory machine in feet, pounds and degrees is the same job to
     customary += fmt::format("{} = {}\n", key, in(value, unit));
   const Job lab = parse("[scene]\nfile = " SOURCE_DIR "/jobs/scenes/laboratory.cfg\n");
   CHECK(rounded(parse(customary)) == rounded(lab));
+}
+
+TEST_CASE("A number that is shown in another unit is read as the same number") {
+  for (const UnitSystem system : {UnitSystem::si, UnitSystem::us, UnitSystem::deg})
+    for (const FieldInfo& field : field_info) {
+      const auto [name, factor] = shown_unit(field.units, system);
+      if (name.empty()) continue;
+      INFO(name);
+      CHECK(to_si(fmt::format("{} {}", 12.5 / factor, name), field.units).value() ==
+            Approx(12.5).epsilon(1e-14));
+    }
+  CHECK(shown_unit("m", UnitSystem::us).name == "ft");
+  CHECK(shown_unit("m s-1", UnitSystem::us).name == "mph");
+  CHECK(shown_unit("rad", UnitSystem::deg).name == "deg");
+  CHECK(shown_unit("m s-1", UnitSystem::deg).name == "m/s");
+}
+
+TEST_CASE("The unit of the SI of a unit has its dimension, and the factor one") {
+  for (const NamedUnit& named : named_units()) {
+    const std::string si = si_unit(named.unit);
+    INFO(named.name);
+    if (named.name == "%") {
+      CHECK(si.empty());
+      continue;
+    }
+    REQUIRE(to_unit(si));
+    CHECK(to_unit(si)->factor == 1);
+    CHECK(to_unit(si)->dimension == named.unit.dimension);
+  }
 }

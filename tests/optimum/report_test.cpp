@@ -1,8 +1,11 @@
 #include "trebsweep/optimum/report.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "optimum/jobs.hpp"
 #include "support/catch.hpp"
 #include "trebsweep/optimum/json_report.hpp"
 
@@ -104,6 +107,29 @@ TEST_CASE("The text has the value, the design, what each limit is worth, and the
              contains("no worst value, r1 = 0.5000000, r2 = 0.9100000, r3 = 0.5800000 m has no"));
   result.active.clear();
   CHECK_THAT(to_text(result, job), contains("none is active"));
+}
+
+TEST_CASE("In customary units and in degrees, the text has the same numbers, converted") {
+  Job job = job_with({{"optimum.subject-to", "peak-axle-load <= 150000"}});
+  job.optimum.objective = to_expression(Field::range);
+  const OptimumResult result = some_result();
+  constexpr double foot = 0.3048, pound_force = 4.4482216152605;
+  const std::string us = to_text(result, job, UnitSystem::us);
+  for (const std::string& words :
+       {fmt::format("range {:.10g} ft, error", result.value / foot),
+        fmt::format("r1 = {:.7f}, r2 = {:.7f}, r3 = {:.7f} ft", 0.51142299 / foot,
+                    0.91660281 / foot, 0.58339719 / foot),
+        fmt::format("r2 + r3 <= {:.9g} ft: +9.5187 ft per ft", 1.5 / foot),
+        fmt::format("peak-axle-load <= {:.9g} lbf: +{:.6g} ft per lbf", 150000 / pound_force,
+                    1.5e-4 * pound_force / foot),
+        fmt::format("{:.4f} ft shorter", 0.0101 / foot), std::string("pin angle 45 deg"),
+        fmt::format("gradient +{:.4g}, curvature {:.4g}", 1.25, -11 * foot),
+        fmt::format("range {:.6g} ft with {:.6g} mph less wind", 25.875 / foot, 5 / 0.44704),
+        fmt::format("{:34}{:>+18.6g}", "sling-mass per lb", -0.01 * 0.45359237 / foot)})
+    CHECK_THAT(us, contains(words));
+  CHECK_THAT(us, !contains(" rad"));
+  const std::string degrees = to_text(result, job, UnitSystem::deg);
+  CHECK_THAT(degrees, contains("pin angle 45 deg\n") && contains("range 26.67815712 m"));
 }
 
 TEST_CASE("A sensitivity is per 1 % of the key, or per unit where the key is 0") {

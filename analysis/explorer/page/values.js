@@ -32,7 +32,7 @@ function parseAxis({ name }, text) {
 
 /** What the program allows as a quantity; the page knows the fields only. */
 const allowedQuantities = (names) => `one of ${names.join(", ")}, or a formula with + - * / ( ) abs() of these, ` +
-  "r1, r2, r3 and numeric keys of [scene]";
+  "r1, r2, r3, numeric keys of [scene] and numbers with or without a unit";
 
 /** A constraint, {field, sign, limit}. */
 function parseConstraint({ name, names }, text, core) {

@@ -6,6 +6,7 @@
 
 #include "trebsweep/base/progress.hpp"
 #include "trebsweep/job/job.hpp"
+#include "trebsweep/job/unit.hpp"
 #include "trebsweep/optimum/pareto_spec.hpp"
 
 namespace trebsweep {
@@ -19,10 +20,11 @@ struct CommandLine {
   std::string file;     ///< the archive of Command::info, otherwise the job file
   Overrides overrides;  ///< keys of the job file given as options
   bool overwrite = false;
-  bool verify = false;               ///< of Command::info
-  std::string snapshot;              ///< of Command::info: the file to write; empty if none
-  bool json = false;                 ///< of Command::optimum
-  std::optional<ParetoSpec> pareto;  ///< of Command::optimum
+  bool verify = false;                ///< of Command::info
+  std::string snapshot;               ///< of Command::info: the file to write; empty if none
+  bool json = false;                  ///< of Command::optimum
+  std::optional<ParetoSpec> pareto;   ///< of Command::optimum
+  UnitSystem units = UnitSystem::si;  ///< of Command::optimum
   ProgressStyle progress = ProgressStyle::automatic;
   double time_limit = std::numeric_limits<double>::infinity();  ///< s, of Command::sweep
   Design<double> design{};                                      ///< of Command::trace

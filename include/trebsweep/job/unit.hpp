@@ -31,6 +31,21 @@ std::string unit_names();
 /// the next factor only; nothing if it is not a product of powers of named_units().
 std::optional<Unit> to_unit(std::string_view text);
 
+/// The unit of the SI with the dimension of another: "m" of ft, "m s-1" of mph; empty without one.
+std::string si_unit(const Unit& unit);
+
+/// The units in which numbers are shown: those of the SI, an angle in degrees as well; those that
+/// are customary in the USA; or those of the SI with degrees only.
+enum class UnitSystem { si, us, deg };
+inline constexpr std::array<std::string_view, 3> unit_system_names{"si", "us", "deg"};
+
+/// The unit in which a system shows numbers of a unit of the SI, and by what they are divided.
+struct ShownUnit {
+  std::string name;  ///< "ft"
+  double factor;     ///< the unit in that of the SI
+};
+ShownUnit shown_unit(std::string_view unit, UnitSystem system);
+
 /// A text that starts with a number, converted to a unit of the SI: "3.5 ft" is 1.0668 in m, and so
 /// is "3 ft 6 in". Without a unit of its own, it is in that one. Nothing if it has another
 /// dimension or is no number.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "trebsweep/job/job.hpp"
+#include "trebsweep/job/unit.hpp"
 
 namespace trebsweep {
 
@@ -49,7 +50,8 @@ Parameters to_parameters(const Design<double>& design);
 
 /// The parameters to 0.1 micrometres: "r1 = 0.5114230, r2 = 0.9166028, r3 = 0.5833972 m", and the
 /// values of the variables.
-std::string to_text(const Parameters& parameters, std::span<const Variable> variables);
+std::string to_text(const Parameters& parameters, std::span<const Variable> variables,
+                    UnitSystem units = UnitSystem::si);
 
 /// The job whose variables have some values.
 Job with_variables(Job job, const Eigen::Ref<const Eigen::VectorXd>& values);

@@ -27,7 +27,8 @@ std::vector<ParetoPoint> pareto_front(const Job& job, const ParetoSpec& spec,
                                       const OptimumOptions& options, MPI_Comm comm);
 
 /// The front as a table, and as a JSON object with its points and the job.
-std::string to_text(const std::vector<ParetoPoint>& front, const ParetoSpec& spec, const Job& job);
+std::string to_text(const std::vector<ParetoPoint>& front, const ParetoSpec& spec, const Job& job,
+                    UnitSystem units = UnitSystem::si);
 std::string to_json(const std::vector<ParetoPoint>& front, const ParetoSpec& spec, const Job& job);
 
 }  // namespace trebsweep
