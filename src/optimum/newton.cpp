@@ -23,6 +23,7 @@ struct Inequalities {
   VectorXd values;
   MatrixXd gradients;              // a row per inequality
   std::vector<MatrixXd> hessians;  // with respect to x; of the objectives and constraints
+  bool is_quick;                   // whether the derivatives are those of quick_steps
 };
 
 /// The inequalities at a point; with the second derivatives `hessians`, unless these are empty.
@@ -30,7 +31,8 @@ Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x, co
                           const std::vector<MatrixXd>& hessians = {}) {
   const Index n = program.variables(), functions = program.objectives + program.constraints;
   const Expansion e = expand(program.functions, x, steps, hessians.empty(), program.domain);
-  Inequalities c{VectorXd(functions + 2 * n), MatrixXd::Zero(functions + 2 * n, n + 1), e.hessians};
+  Inequalities c{VectorXd(functions + 2 * n), MatrixXd::Zero(functions + 2 * n, n + 1), e.hessians,
+                 false};
   const double t = e.values.head(program.objectives).minCoeff();
   c.values << t - e.values.head(program.objectives).array(), e.values.tail(program.constraints),
       program.lower - x, x - program.upper;
@@ -135,8 +137,11 @@ bool has_derivatives(Inequalities& c) {
 std::optional<Inequalities> model(const NonlinearProgram& program, const VectorXd& x, double length,
                                   const std::optional<Inequalities>& last = std::nullopt) {
   constexpr double close = 1e-4;
-  if (length > close)
-    if (auto c = inequalities(program, x, quick_steps); has_derivatives(c)) return c;
+  if (length > close && !program.is_at_kink)
+    if (auto c = inequalities(program, x, quick_steps); has_derivatives(c)) {
+      c.is_quick = true;
+      return c;
+    }
   if (length <= close && last && program.cheap_variables < program.variables())
     if (auto c = inequalities(program, x, accurate_steps, last->hessians); has_derivatives(c))
       return c;
@@ -156,6 +161,18 @@ std::vector<Index> nearly_active(const NonlinearProgram& program, const Inequali
     if (c.values(i) >= -reach) active.push_back(i);
   }
   return active;
+}
+
+/// Multipliers without those of an earlier step: of a step along the projected gradient, which are
+/// exact at a solution. Changes the active set to that of this step.
+VectorXd first_multipliers(Inequalities c, std::vector<Index>& active) {
+  constexpr double curvature = 100;  // steps of about a hundredth
+  const Index n = c.gradients.cols() - 1;
+  const auto objective = static_cast<std::size_t>(active.front());
+  for (MatrixXd& hessian : c.hessians) hessian.setZero(n, n);
+  c.hessians[objective] = curvature * MatrixXd::Identity(n, n);
+  const VectorXd one = VectorXd::Unit(c.values.size(), active.front());
+  return step_with_active_set(c, one, active).multipliers;
 }
 
 /// Whether one of the points before is better in both the objective and the violation: the filter
@@ -180,7 +197,8 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   std::optional<Inequalities> c = model(program, start.x, reach);
   if (!c) return solution;
   std::vector<Index> active = nearly_active(program, *c);
-  VectorXd multipliers = VectorXd::Unit(c->values.size(), active.front());
+  VectorXd multipliers = program.is_at_kink ? first_multipliers(*c, active)
+                                            : VectorXd::Unit(c->values.size(), active.front());
   double last_length = HUGE_VAL;
   std::vector<Point> visited{start};
   const double max_violation = std::max(start.violation, 0.01);
@@ -195,7 +213,12 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
     x = x.cwiseMax(program.lower).cwiseMin(program.upper);
     const Point point = point_of(program, x, program.functions(x).col(0));
     if (point.violation > max_violation || is_dominated(point, visited)) {
-      reach = std::min(reach, length) / 4;
+      if (c->is_quick) {  // which may be to blame
+        c = model(program, solution.point.x, 0);
+        if (!c) return solution;
+      } else {
+        reach = std::min(reach, length) / 4;
+      }
       continue;
     }
     reach = std::min(2 * reach, max_reach);
@@ -205,8 +228,9 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
                 multipliers.head(program.objectives)};
     const bool is_rounding = length < converged && length > last_length / 2;
     if (length < enough || is_rounding) break;
+    const bool is_fast = length < last_length / 10;
     last_length = length;
-    c = model(program, x, length, c);
+    c = model(program, x, length, is_fast ? c : std::nullopt);
     if (!c) {
       solution.converged = false;
       break;

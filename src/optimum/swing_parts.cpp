@@ -99,6 +99,7 @@ NonlinearProgram program_of(const std::vector<DesignProblem>& parts, std::uint64
   std::vector<PartFunctions> rows;
   joint.objectives = 0;
   joint.constraints = shared;
+  joint.is_at_kink = true;
   for (const DesignProblem& part : parts) {
     functions.push_back(nominal_program(part, integrated).functions);
     rows.push_back(functions_of(part, rows.empty()));
@@ -207,10 +208,15 @@ ProblemOptimum undivided(const DesignProblem& problem, const KktPoint& found) {
 ProblemOptimum search(const DesignProblem& problem, const Parameters& start, Effort effort,
                       std::uint64_t& integrated) {
   const NonlinearProgram program = nominal_program(problem, integrated);
-  const KktPoint found = search(program, to_scaled(problem, start), effort);
-  if (found.converged || found.point.violation > little || program.variables() == 0)
-    return undivided(problem, found);
-  return search_parts(problem, program, found, integrated);
+  const auto with_parts = [&](const KktPoint& found) {
+    if (found.converged || found.point.violation > little || program.variables() == 0)
+      return undivided(problem, found);
+    return search_parts(problem, program, found, integrated);
+  };
+  const KktPoint quick = search(program, to_scaled(problem, start), Effort::quick);
+  const ProblemOptimum near = with_parts(quick);
+  if (effort == Effort::quick || (near.converged && !quick.converged)) return near;
+  return with_parts(search(program, near.point.x, effort));
 }
 
 }  // namespace trebsweep

@@ -24,6 +24,9 @@ struct NonlinearProgram {
   /// Of points that differ only in the first variables, so many, many cost little more than one.
   Eigen::Index cheap_variables = lower.size();
   Domain domain = {};
+  /// Whether the start is close to a kink that the objectives and constraints make together:
+  /// derivatives then vary much within a hundredth, and the first multipliers matter.
+  bool is_at_kink = false;
 
   Eigen::Index variables() const { return lower.size(); }
 };
