@@ -44,7 +44,8 @@ crossing. jobs/README.md explains the output.
 
 With optimum.variables, keys of the scene, pin-angle or release-angle are
 searched as well. The coarse sweep then has up to 300,000 designs in all, fewer
-where swings take long, in scenes of a Sobol sequence with lengths of another.
+where swings take long: scenes from one Sobol sequence and, in each scene, lengths
+from another. --lattice.increment is then not used.
 
 --pareto "A, B" prints the front of two objectives instead: the largest A for B
 at equal distances, and the multiplier, how A changes along the front with B.

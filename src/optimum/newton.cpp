@@ -64,7 +64,9 @@ MatrixXd lagrangian_hessian(const Inequalities& c, const VectorXd& multipliers,
   MatrixXd hessian = MatrixXd::Zero(n, n);
   for (std::size_t f = 0; f < c.hessians.size(); ++f)
     hessian -= multipliers(static_cast<Index>(f)) * c.hessians[f];
-  const MatrixXd kernel = c.gradients(active, Eigen::all).fullPivLu().kernel().topRows(n);
+  const Eigen::FullPivLU<MatrixXd> factors(c.gradients(active, Eigen::all));
+  if (factors.dimensionOfKernel() == 0) return hessian;  // a vertex
+  const MatrixXd kernel = factors.kernel().topRows(n);
   const MatrixXd tangents =
       kernel.householderQr().householderQ() * MatrixXd::Identity(n, kernel.cols());
   const Eigen::SelfAdjointEigenSolver<MatrixXd> reduced(tangents.transpose() * hessian * tangents);

@@ -241,8 +241,7 @@ std::optional<BestDesign> refine(const Job& given_job, const Design<double>& sta
   job.optimum.variables.clear();
   std::uint64_t integrated = 0;
   const DesignProblem problem = design_problem(job, to_parameters(start));
-  const NonlinearProgram program = nominal_program(problem, integrated);
-  const Point point = search(program, to_scaled(problem, to_parameters(start))).point;
+  const Point point = search(problem, to_parameters(start), Effort::thorough, integrated).point;
   if (!is_feasible(point)) return std::nullopt;
   const Parameters parameters = to_parameters(problem, point.x);
   std::vector<Field> fields = job.optimum.objective.fields;

@@ -122,7 +122,8 @@ std::string limits_text(const OptimumResult& result, const Job& job, UnitSystem 
                         by.empty() ? "" : " per ", by, of);
   }
   if (result.has_kink)
-    text += "kink       extremes of the swing are equal: the objective has no gradient\n";
+    text +=
+        "kink       two extremes of the swing are equal, so the objective has no gradient here\n";
   return text;
 }
 
@@ -241,6 +242,11 @@ std::string precision_text(const OptimumResult& result, const Job& job, UnitSyst
   return text + pin_allowance_text(result, job, units);
 }
 
+/// A change of the value; "-" where there is no derivative.
+std::string change_text(double change) {
+  return std::isnan(change) ? "-" : fmt::format("{:+.6g}", change);
+}
+
 std::string sensitivities_text(const OptimumResult& result, UnitSystem units) {
   const double of_value = shown_unit(result.objective.unit, units).factor;
   std::string text = fmt::format("{:34}{:>18}", "change of the value", "lengths kept");
@@ -254,8 +260,8 @@ std::string sensitivities_text(const OptimumResult& result, UnitSystem units) {
     const double change = (value == 0 ? factor : 0.01 * std::abs(value)) / of_value;
     const std::string label =
         value == 0 ? fmt::format("{} per {}", name, unit) : fmt::format("{} + 1 %", name);
-    text += fmt::format("{:34}{:>+18.6g}", label, change * at_design);
-    text += both ? fmt::format("{:>+18.6g}\n", change * of_optimum) : "\n";
+    text += fmt::format("{:34}{:>18}", label, change_text(change * at_design));
+    text += both ? fmt::format("{:>18}\n", change_text(change * of_optimum)) : "\n";
   }
   return text;
 }

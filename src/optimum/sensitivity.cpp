@@ -113,11 +113,14 @@ std::vector<std::string> numeric_scene_keys(const Job& job) {
 Sensitivity sensitivity(const Job& job, const std::string& key, const Parameters& parameters,
                         const std::vector<PartOptimum>& parts) {
   constexpr double same = 1e-6;
-  Sensitivity sum = sensitivity(job, key, parameters, parts.front());
-  for (auto part = parts.begin() + 1; part != parts.end(); ++part) {
+  const auto heaviest = std::ranges::max_element(parts, {}, &PartOptimum::weight);
+  Sensitivity sum = sensitivity(job, key, parameters, *heaviest);
+  for (auto part = parts.begin(); part != parts.end(); ++part) {
+    if (part == heaviest) continue;
     const Sensitivity other = sensitivity(job, key, parameters, *part);
-    if (!(std::abs(other.at_design - sum.at_design) <= same * std::abs(sum.at_design)))
-      sum.at_design = std::nan("");
+    const bool is_kink =
+        !(std::abs(other.at_design - sum.at_design) <= same * std::abs(sum.at_design));
+    if (part->weight > 0 && is_kink) sum.at_design = std::nan("");
     sum.of_optimum += other.of_optimum;
   }
   return sum;

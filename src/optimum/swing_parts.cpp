@@ -163,11 +163,12 @@ ProblemOptimum search_parts(const DesignProblem& problem, const NonlinearProgram
     const auto parts = split(problem, to_parameters(problem, point.x), integrated);
     if (parts.size() == 1) break;
     const KktPoint joint = solve_kkt(program_of(parts, integrated), point);
-    if (joint.point.x == point.x) break;
+    const bool has_moved = joint.point.x != point.x;
     point = point_of(whole, joint.point.x, whole.functions(joint.point.x).col(0));
     if (joint.converged && point.violation <= feasibility_tolerance + rounding &&
         std::abs(point.objective - joint.point.objective) <= rounding)
       return combined(parts, joint);
+    if (!has_moved) break;
     if (is_better(point, best.point)) best.point = point;
   }
   return best;
@@ -190,7 +191,8 @@ std::vector<DesignProblem> split(const DesignProblem& problem, const Parameters&
   values.row(0) *= -1;
   std::vector<double> ends{times.back()};
   for (Index row = 0; row < values.rows(); ++row)
-    if (row == 0 || whole(row) > -close)
+    if (values.row(row).maxCoeff() == (row == 0 ? -whole(0) : whole(row)) &&
+        (row == 0 || whole(row) > -close))
       for (const Index k : valleys(values.row(row)))
         ends.push_back(times[static_cast<std::size_t>(k)]);
   std::ranges::sort(ends);
@@ -209,8 +211,7 @@ ProblemOptimum search(const DesignProblem& problem, const Parameters& start, Eff
                       std::uint64_t& integrated) {
   const NonlinearProgram program = nominal_program(problem, integrated);
   const auto with_parts = [&](const KktPoint& found) {
-    if (found.converged || found.point.violation > little || program.variables() == 0)
-      return undivided(problem, found);
+    if (found.converged || found.point.violation > little) return undivided(problem, found);
     return search_parts(problem, program, found, integrated);
   };
   const KktPoint quick = search(program, to_scaled(problem, start), Effort::quick);

@@ -85,6 +85,31 @@ TEST_CASE("A swing whose load has one peak is not divided") {
   CHECK(split(design_problem(Job{}, parameters), parameters, integrated).size() == 1);
 }
 
+TEST_CASE("A swing is not divided where larger loads are better, or where extremes are added") {
+  for (const std::string objective : {"peak-axle-load", "-peak-axle-load - peak-sling-tension"}) {
+    const Job job = job_from(machine + "objective = " + objective);
+    std::uint64_t integrated = 0;
+    CHECK(split(design_problem(job, near_optimum()), near_optimum(), integrated).size() == 1);
+  }
+}
+
+TEST_CASE("Where only a constraint has a kink, the objective keeps its derivatives") {
+  const Job job = job_from(
+      machine +
+      "objective = range - 0.0001*peak-sling-tension\nsubject-to = peak-axle-load <= 12300");
+  const ProblemOptimum optimum = optimum_of(job);
+  REQUIRE(optimum.parts.size() > 1);
+  const Parameters parameters = to_parameters(design_problem(job, near_optimum()), optimum.point.x);
+  const Job found = with_variables(job, parameters.tail(1));
+  const auto value = [&](double by) {
+    Job other = found;
+    other.scene.projectile_mass += by;
+    return quantities(design_problem(job, near_optimum()), family_of(other), parameters)(0, 0);
+  };
+  CHECK(sensitivity(found, "scene.projectile-mass", parameters, optimum.parts).at_design ==
+        Approx((value(1e-3) - value(-1e-3)) / 2e-3).epsilon(1e-5));
+}
+
 TEST_CASE("At an optimum with equal peaks, parts share the objective or a constraint") {
   const ProblemOptimum least = optimum_of(least_load());
   double weights = 0;

@@ -26,14 +26,14 @@ std::optional<LatticeSpec> edge_lattice(const Scene& scene, const LatticeSpec& c
 struct Grid {
   Eigen::MatrixXd parameters;      ///< of all designs, a column for each
   std::optional<Lattice> lattice;  ///< whose designs they are, in its order
-  double increment;                ///< m, of the lattice; 0 if there is none, or one design
+  double increment;                ///< m, of the lattice; 0 without one or for a single design
   Parameters spacing;              ///< the mean distance of the parameters, if there is no lattice
 };
 
 /// The designs of a lattice. Throws InputError if there are more than 100 million.
 Grid lattice_grid(const Scene& scene, const LatticeSpec& spec);
 
-/// About as many designs of a job's design_space(), in scenes with values of its variables from a
+/// About `designs` designs of a job's design_space(), in scenes with values of its variables from a
 /// Sobol sequence and lengths from another. There are as many scenes as give lengths and variables
 /// the same number of values. Throws NoOptimum if no design is found.
 Grid sobol_grid(const Job& job, std::uint64_t designs);

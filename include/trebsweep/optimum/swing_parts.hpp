@@ -31,8 +31,9 @@ struct ProblemOptimum {
 ProblemOptimum undivided(const DesignProblem& problem, const KktPoint& found);
 
 /// Problems that differ from one in the steps that count for extremes: each has one of the extremes
-/// that come close to the objective or to a limit at some parameters. The problem itself if there
-/// is one at most.
+/// that come close to the objective or to a limit at some parameters. Returns only the problem
+/// itself if there is at most one such extreme, or if the whole swing is not as good as its worst
+/// part, as where larger loads are better.
 std::vector<DesignProblem> split(const DesignProblem& problem, const Parameters& parameters,
                                  std::uint64_t& integrated);
 
