@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/random/sobol.hpp>
-#include <boost/random/uniform_real_distribution.hpp>
 #include <cmath>
 #include <numeric>
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/job/sample.hpp"
 #include "trebsweep/optimum/nonlinear_program.hpp"
+#include "trebsweep/optimum/sobol.hpp"
 
 namespace trebsweep {
 namespace {
@@ -41,28 +40,6 @@ Index free_lengths(const Job& job) {
     return !*axis || (*axis)->first < (*axis)->last;
   });
 }
-
-/// A sequence of points in a box, without those coordinates in which the box has no width.
-class SobolSequence {
- public:
-  SobolSequence(const VectorXd& lower, const VectorXd& upper) : lower_(lower), upper_(upper) {
-    for (Index d = 0; d < lower.size(); ++d)
-      if (lower(d) < upper(d)) free_.push_back(d);
-    if (!free_.empty()) sequence_.emplace(free_.size());
-  }
-
-  VectorXd next() {
-    VectorXd point = lower_;
-    for (const Index d : free_)
-      point(d) = boost::random::uniform_real_distribution(lower_(d), upper_(d))(*sequence_);
-    return point;
-  }
-
- private:
-  VectorXd lower_, upper_;
-  std::vector<Index> free_;
-  std::optional<boost::random::sobol> sequence_;
-};
 
 /// The place of each design in the lattice's bounding box; `none` for a cell without one.
 constexpr std::size_t none = static_cast<std::size_t>(-1);

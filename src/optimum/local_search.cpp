@@ -1,8 +1,8 @@
 #include "trebsweep/optimum/local_search.hpp"
 
-#include <boost/random/sobol.hpp>
-#include <boost/random/uniform_real_distribution.hpp>
 #include <cmath>
+
+#include "trebsweep/optimum/sobol.hpp"
 
 namespace trebsweep {
 namespace {
@@ -12,16 +12,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double lattice_spacing = 1e-3;
-
-/// Fills a matrix with the points of a Sobol sequence in a cube around the origin, which is the
-/// first of them.
-void fill_with_sobol(Eigen::Ref<MatrixXd> points, double half_width) {
-  if (points.rows() == 0) return;
-  boost::random::sobol sequence(static_cast<std::size_t>(points.rows()));
-  const boost::random::uniform_real_distribution inside(-half_width, half_width);
-  for (auto point : points.colwise())
-    for (double& x : point) x = inside(sequence);
-}
 
 /// The points of a cubic lattice around the origin, with `reach` points to each side of it; in more
 /// than three dimensions, some points of the cube with few values of the variables that are not
@@ -38,9 +28,13 @@ MatrixXd cube(const NonlinearProgram& program, Index reach) {
   }
   constexpr Index together = 24;
   const Index cheap = program.cheap_variables, dear = n - cheap, groups = 4 * (dear + 1);
-  MatrixXd points = MatrixXd::Zero(n, groups * together), of_dear(dear, groups);
-  fill_with_sobol(points.topRows(cheap), static_cast<double>(reach));
-  fill_with_sobol(of_dear, static_cast<double>(reach));
+  const auto sequence_of = [&](Index dimensions) {
+    const VectorXd ends = VectorXd::Constant(dimensions, static_cast<double>(reach));
+    return SobolSequence(-ends, ends);
+  };
+  MatrixXd points(n, groups * together);
+  points.topRows(cheap) = sequence_of(cheap).next(points.cols());
+  const MatrixXd of_dear = sequence_of(dear).next(groups);
   for (Index p = 0; p < points.cols(); ++p) points.col(p).tail(dear) = of_dear.col(p / together);
   return points;
 }
@@ -96,11 +90,12 @@ Point point_with_values(const NonlinearProgram& program, const VectorXd& x) {
   return point;
 }
 
-/// Newton's solution from a point, or the point itself if the method fails or leads away.
+/// Newton's solution from a point; if the method fails or leads away, the best point known.
 KktPoint polished(const NonlinearProgram& program, const Point& near) {
   const KktPoint found = solve_kkt(program, near);
   if (found.converged && !is_clearly_better(near, found.point)) return found;
-  return {near, VectorXd::Zero(program.constraints + 2 * program.variables()), false};
+  return {is_better(found.point, near) ? found.point : near,
+          VectorXd::Zero(program.constraints + 2 * program.variables()), false};
 }
 
 KktPoint search_once(const NonlinearProgram& program, const Point& start, Effort effort) {
@@ -108,7 +103,7 @@ KktPoint search_once(const NonlinearProgram& program, const Point& start, Effort
   const bool near = start.violation <= little;
   const KktPoint found = polished(program, near ? start : zoom(program, start));
   if (found.converged || !near || effort == Effort::quick) return found;
-  return polished(program, zoom(program, start));
+  return polished(program, zoom(program, found.point));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "trebsweep/optimum/newton.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
@@ -48,75 +49,126 @@ Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x, co
   return c;
 }
 
-/// A step of y, the multipliers of all inequalities, and the residual of the equations solved,
-/// which have no solution where the model is unbounded.
+/// A step of y, the multipliers of all inequalities, and by how much it fails to be a stationary
+/// point of the model that satisfies the linearized inequalities.
 struct Step {
   VectorXd d, multipliers;
   double residual;
 };
 
-/// The second derivatives of the Lagrangian, so that the stationary point of its model on the
-/// active set is a maximum: in the tangent space of the set, positive eigenvalues change their
-/// signs.
-MatrixXd lagrangian_hessian(const Inequalities& c, const VectorXd& multipliers,
-                            const std::vector<Index>& active) {
+/// A symmetric matrix whose eigenvalues in the space of some orthonormal columns are at most
+/// `-least` there: positive ones change their signs.
+MatrixXd concave_within(const MatrixXd& symmetric, const MatrixXd& space, double least) {
+  if (space.cols() == 0) return symmetric;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> reduced(space.transpose() * symmetric * space);
+  const VectorXd change =
+      reduced.eigenvalues().unaryExpr([&](double e) { return std::min(-std::abs(e), -least) - e; });
+  const MatrixXd directions = space * reduced.eigenvectors();
+  return symmetric + directions * change.asDiagonal() * directions.transpose();
+}
+
+/// The second derivatives of the Lagrangian.
+MatrixXd lagrangian_hessian(const Inequalities& c, const VectorXd& multipliers) {
   const Index n = c.gradients.cols() - 1;
   MatrixXd hessian = MatrixXd::Zero(n, n);
   for (std::size_t f = 0; f < c.hessians.size(); ++f)
     hessian -= multipliers(static_cast<Index>(f)) * c.hessians[f];
-  const Eigen::FullPivLU<MatrixXd> factors(c.gradients(active, Eigen::all));
-  if (factors.dimensionOfKernel() == 0) return hessian;  // a vertex
-  const MatrixXd kernel = factors.kernel().topRows(n);
-  const MatrixXd tangents =
-      kernel.householderQr().householderQ() * MatrixXd::Identity(n, kernel.cols());
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> reduced(tangents.transpose() * hessian * tangents);
-  const double rounding = 1e-9 * hessian.norm();
-  const VectorXd excess =
-      reduced.eigenvalues().unaryExpr([&](double e) { return e > rounding ? 2 * e : 0; });
-  const MatrixXd directions = tangents * reduced.eigenvectors();
-  return hessian - directions * excess.asDiagonal() * directions.transpose();
+  return hessian;
 }
 
-/// The step to the stationary point of the Lagrangian's quadratic model on the linearized active
-/// set; `multipliers` are those of the last step.
-Step equality_step(const Inequalities& c, const VectorXd& multipliers,
-                   const std::vector<Index>& active) {
-  const Index n = c.gradients.cols(), m = static_cast<Index>(active.size());
-  MatrixXd kkt = MatrixXd::Zero(n + m, n + m);
-  VectorXd right = VectorXd::Zero(n + m);
-  kkt.topLeftCorner(n - 1, n - 1) = lagrangian_hessian(c, multipliers, active);
-  for (Index k = 0; k < m; ++k) {
-    const Index i = active[static_cast<std::size_t>(k)];
-    kkt.row(n + k).head(n) = c.gradients.row(i);
-    kkt.col(n + k).head(n) = -c.gradients.row(i).transpose();
-    right(n + k) = -c.values(i);
+/// Orthonormal directions of x along which the active inequalities do not change; none at a vertex.
+MatrixXd tangents(const Inequalities& c, const std::vector<Index>& active) {
+  const Index n = c.gradients.cols() - 1;
+  const Eigen::FullPivLU<MatrixXd> factors(c.gradients(active, Eigen::all));
+  if (factors.dimensionOfKernel() == 0) return MatrixXd(n, 0);
+  const MatrixXd kernel = factors.kernel().topRows(n);
+  return kernel.householderQr().householderQ() * MatrixXd::Identity(n, kernel.cols());
+}
+
+/// The x >= 0 that minimizes x' A x / 2 - b' x, with A positive definite: the active-set method of
+/// Lawson and Hanson (Solving Least Squares Problems, 1974, chapter 23).
+VectorXd non_negative_minimum(const MatrixXd& a, const VectorXd& b) {
+  constexpr double rounding = 1e-12;
+  VectorXd x = VectorXd::Zero(b.size());
+  std::vector<Index> positive;
+  for (Index changes = 0; changes < 10 * b.size(); ++changes) {
+    VectorXd slope = b - a * x;
+    for (const Index i : positive) slope(i) = 0;
+    Index steepest = 0;
+    if (slope.maxCoeff(&steepest) <= rounding) break;
+    positive.push_back(steepest);
+    while (true) {
+      const VectorXd full = a(positive, positive).ldlt().solve(b(positive, 0));
+      if (full.minCoeff() > 0) {
+        x(positive, 0) = full;
+        break;
+      }
+      double part = 1;  // of the way to where the first of them becomes zero
+      Index first = 0;
+      for (Index k = 0; k < full.size(); ++k)
+        if (const double now = x(positive[static_cast<std::size_t>(k)]); full(k) <= 0)
+          if (const double p = now / (now - full(k)); p <= part) part = p, first = k;
+      x(positive, 0) += part * (full - x(positive, 0));
+      x(positive[static_cast<std::size_t>(first)]) = 0;
+      positive.erase(positive.begin() + first);
+    }
   }
+  return x;
+}
+
+/// The step to the maximum of a concave quadratic model of t, subject to the linearized
+/// inequalities: by its dual problem. A small penalty for multipliers admits violations, where no
+/// step satisfies all inequalities.
+Step concave_step(const Inequalities& c, const MatrixXd& hessian) {
+  constexpr double curvature_of_t = 1e-3, penalty = 1e-12;
+  const Index n = hessian.cols();
+  MatrixXd model = MatrixXd::Zero(n + 1, n + 1);
+  model.topLeftCorner(n, n) = -hessian;
+  model(n, n) = curvature_of_t;
+  const Eigen::LDLT<MatrixXd> factors(model);
+  const VectorXd ascent = VectorXd::Unit(n + 1, n);  // the gradient of t
+  MatrixXd dual = c.gradients * factors.solve(c.gradients.transpose());
+  dual.diagonal().array() += penalty * dual.diagonal().maxCoeff();
+  const VectorXd multipliers =
+      non_negative_minimum(dual, c.gradients * factors.solve(ascent) + c.values);
+  const VectorXd d = factors.solve(ascent - c.gradients.transpose() * multipliers);
+  return {d, multipliers, std::max(0.0, (c.values + c.gradients * d).maxCoeff())};
+}
+
+/// The step to the stationary point of a quadratic model on the linearized active set.
+Step equality_step(const Inequalities& c, const MatrixXd& hessian,
+                   const std::vector<Index>& active) {
+  const Index n = c.gradients.cols(), m = std::ssize(active);
+  MatrixXd kkt = MatrixXd::Zero(n + m, n + m);
+  kkt.topLeftCorner(n - 1, n - 1) = hessian;
+  kkt.bottomLeftCorner(m, n) = c.gradients(active, Eigen::all);
+  kkt.topRightCorner(n, m) = -c.gradients(active, Eigen::all).transpose();
+  VectorXd right = VectorXd::Zero(n + m);
   right(n - 1) = -1;  // the gradient of t
+  right.tail(m) = -c.values(active, 0);
   const VectorXd solution = kkt.fullPivLu().solve(right);
   Step step{solution.head(n), VectorXd::Zero(c.values.size()), (kkt * solution - right).norm()};
-  for (Index k = 0; k < m; ++k)
-    step.multipliers(active[static_cast<std::size_t>(k)]) = solution(n + k);
+  step.multipliers(active, 0) = solution.tail(m);
   return step;
 }
 
-/// The same, with the active set found: inequalities with a negative multiplier leave it, and those
-/// that the step would violate join it.
-Step step_with_active_set(const Inequalities& c, const VectorXd& multipliers,
-                          std::vector<Index>& active) {
-  Step step;
-  for (Index changes = 0; changes < 4 * c.values.size(); ++changes) {
-    step = equality_step(c, multipliers, active);
-    Index worst = 0;
-    if (step.multipliers.minCoeff(&worst) < -1e-9) {
-      std::erase(active, worst);
-      continue;
-    }
-    VectorXd after = c.values + c.gradients * step.d;
-    for (const Index i : active) after(i) = 0;
-    if (after.maxCoeff(&worst) <= feasibility_tolerance) break;
-    active.push_back(worst);
-  }
-  return step;
+/// The step to the maximum of the Lagrangian's quadratic model, subject to the linearized
+/// inequalities. A model that is concave in all directions gives the active set. In the tangent
+/// space of that, the Lagrangian is mostly concave at a maximum, and the step is Newton's.
+/// `multipliers` are those of the last step.
+Step newton_step(const Inequalities& c, const VectorXd& multipliers) {
+  constexpr double flat = 1e-4, rounding = 1e-9;
+  const Index n = c.gradients.cols() - 1;
+  const MatrixXd hessian = lagrangian_hessian(c, multipliers);
+  const Step concave = concave_step(
+      c, concave_within(hessian, MatrixXd::Identity(n, n), flat * std::max(1.0, hessian.norm())));
+  std::vector<Index> active;
+  for (Index i = 0; i < c.values.size(); ++i)
+    if (concave.multipliers(i) > 0) active.push_back(i);
+  const Step step = equality_step(c, concave_within(hessian, tangents(c, active), 0), active);
+  const bool is_exact = step.residual < rounding && step.multipliers.minCoeff() > -rounding &&
+                        (c.values + c.gradients * step.d).maxCoeff() < rounding;
+  return is_exact ? step : concave;
 }
 
 /// Whether all inequalities have derivatives, except for those far from being active, of which a
@@ -151,30 +203,15 @@ std::optional<Inequalities> model(const NonlinearProgram& program, const VectorX
   return has_derivatives(c) ? std::optional(c) : std::nullopt;
 }
 
-/// The inequalities that a small change of x may make active.
-std::vector<Index> nearly_active(const NonlinearProgram& program, const Inequalities& c) {
-  constexpr double near = 1e-3;
-  const Index n = program.variables(), bounds = c.values.size() - 2 * n;
-  std::vector<Index> active;
-  for (Index i = 0; i < c.values.size(); ++i) {
-    double reach = i < program.objectives ? 0 : near * c.gradients.row(i).norm();
-    if (i >= bounds)  // not both ends of a short interval
-      reach *= std::min(1.0, (program.upper - program.lower)((i - bounds) % n));
-    if (c.values(i) >= -reach) active.push_back(i);
-  }
-  return active;
-}
-
 /// Multipliers without those of an earlier step: of a step along the projected gradient, which are
-/// exact at a solution. Changes the active set to that of this step.
-VectorXd first_multipliers(Inequalities c, std::vector<Index>& active) {
+/// exact at a solution.
+VectorXd first_multipliers(Inequalities c, Index objective) {
   constexpr double curvature = 100;  // steps of about a hundredth
   const Index n = c.gradients.cols() - 1;
-  const auto objective = static_cast<std::size_t>(active.front());
   for (MatrixXd& hessian : c.hessians) hessian.setZero(n, n);
-  c.hessians[objective] = curvature * MatrixXd::Identity(n, n);
-  const VectorXd one = VectorXd::Unit(c.values.size(), active.front());
-  return step_with_active_set(c, one, active).multipliers;
+  const VectorXd one = VectorXd::Unit(c.values.size(), objective);
+  c.hessians[static_cast<std::size_t>(objective)] = curvature * MatrixXd::Identity(n, n);
+  return newton_step(c, one).multipliers;
 }
 
 /// Whether one of the points before is better in both the objective and the violation: the filter
@@ -198,26 +235,27 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   double reach = max_reach;  // the longest step allowed
   std::optional<Inequalities> c = model(program, start.x, reach);
   if (!c) return solution;
-  std::vector<Index> active = nearly_active(program, *c);
-  VectorXd multipliers = program.is_at_kink ? first_multipliers(*c, active)
-                                            : VectorXd::Unit(c->values.size(), active.front());
+  Index smallest = 0;  // of the objectives
+  c->values.head(program.objectives).maxCoeff(&smallest);
+  VectorXd multipliers = program.is_at_kink ? first_multipliers(*c, smallest)
+                                            : VectorXd::Unit(c->values.size(), smallest);
   double last_length = HUGE_VAL;
   std::vector<Point> visited{start};
   const double max_violation = std::max(start.violation, 0.01);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    const Step step = step_with_active_set(*c, multipliers, active);
+    const Step step = newton_step(*c, multipliers);
     multipliers = step.multipliers;  // better ones also where the step is refused
     const VectorXd d = step.d.head(n);
     const double length = d.norm();
     // Where only steps far shorter than the model's do not lead away, the model does not hold.
-    if (!std::isfinite(length) || reach < std::min(length, min_reach)) return solution;
+    if (!std::isfinite(length) || reach < std::min(length, min_reach)) break;
     VectorXd x = solution.point.x + d * std::min(1.0, reach / length);
     x = x.cwiseMax(program.lower).cwiseMin(program.upper);
     const Point point = point_of(program, x, program.functions(x).col(0));
     if (point.violation > max_violation || is_dominated(point, visited)) {
       if (c->is_quick) {  // which may be to blame
         c = model(program, solution.point.x, 0);
-        if (!c) return solution;
+        if (!c) break;
       } else {
         reach = std::min(reach, length) / 4;
       }
@@ -238,6 +276,10 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
       break;
     }
   }
+  // Where the method has not converged, the last point is not always the best.
+  if (!solution.converged)
+    solution.point = *std::ranges::max_element(
+        visited, [](const Point& a, const Point& b) { return is_better(b, a); });
   return solution;
 }
 

@@ -91,37 +91,46 @@ ProblemOptimum take_best(const DesignProblem& problem, const Search& search,
 }
 
 /// Replaces the optimum by the best safe design, if it is not safe itself: one of the other local
-/// maxima, or the best safe design near one. Throws NoOptimum if none is found. Collective.
-void take_safe(const Job& job, const DesignProblem& problem, ProgressStyle style, MPI_Comm comm,
-               OptimumResult& result) {
+/// maxima, or the best safe design near one, or near a start that is better. Throws NoOptimum if
+/// none is found. Collective.
+void take_safe(const Job& job, const DesignProblem& problem, const std::vector<Parameters>& starts,
+               ProgressStyle style, MPI_Comm comm, OptimumResult& result) {
   constexpr std::size_t most = 12;  // maxima to search around
   const double deviation = job.optimum.deviation;
-  const auto are_good = [&](const Parameters& parameters, std::uint64_t& integrated) {
-    return is_feasible(problem, parameters) && are_safe(problem, parameters, deviation, integrated);
-  };
-  if (are_good(result.parameters, result.designs)) return;
+  if (is_feasible(problem, result.parameters) &&
+      are_safe(problem, result.parameters, deviation, result.designs))
+    return;
   result.unsafe = {result.parameters, result.value};
-  std::vector<Parameters> maxima;
-  for (const LocalMaximum& m : result.maxima)
-    if (maxima.size() < most) maxima.push_back(m.parameters);
   const auto search_safe = [&](const Parameters& start, std::uint64_t& integrated) {
-    const auto safe = are_good(start, integrated)
-                          ? std::optional(start)
-                          : safe_parameters_near(problem, start, deviation, integrated);
+    const auto safe = safe_parameters_near(problem, start, deviation, integrated);
     if (!safe) return ProblemOptimum{{VectorXd::Zero(0), 0, HUGE_VAL}, false, {}};
     const double value = values_at(problem, *safe)(0, 0);
     return ProblemOptimum{{to_scaled(problem, *safe), value, 0}, false, {}};
   };
-  const auto found = find_maxima(maxima, search_safe, style, comm, result.designs);
-  if (found.empty())
+  std::optional<LocalMaximum> best;
+  const auto search_all = [&](const std::vector<Parameters>& from) {
+    const auto found = find_maxima(from, search_safe, style, comm, result.designs);
+    if (found.empty()) return;
+    const LocalMaximum first = distinct({found.front()}, problem).front();
+    if (!best || first.value > best->value) best = first;
+  };
+  std::vector<Parameters> maxima, better_starts;
+  for (const LocalMaximum& m : result.maxima)
+    if (maxima.size() < most) maxima.push_back(m.parameters);
+  search_all(maxima);
+  for (const Parameters& start : starts)
+    if (is_feasible(problem, start) &&
+        (!best || values_at(problem, start)(0, 0) * problem.scales.front() > best->value))
+      better_starts.push_back(start);
+  search_all(better_starts);
+  if (!best)
     throw NoOptimum(
         fmt::format("the {} or a constraint jumps next to every good design found, such as {} with "
                     "{:.6g}: lengths that are "
                     "off by {} would lose it; choose other axes, release or constraints",
                     job.optimum.objective.text, to_text(result.parameters, job.optimum.variables),
                     result.value, deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %"));
-  const LocalMaximum best = distinct({found.front()}, problem).front();
-  result.parameters = best.parameters;
+  result.parameters = best->parameters;
   result.converged = false;
   result.active.clear();
 }
@@ -191,7 +200,7 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
     optimum = take_best(problem, search_again, result);
     result.value = result.maxima.front().value;
     refuse_divergence(job, problem, result);
-    take_safe(job, full, options.progress, comm, result);
+    take_safe(job, full, starts.parameters, options.progress, comm, result);
   } else {
     problem.space = robust_space(job, problem.space, deviation);
     const auto search_robust = [&](const Parameters& start, std::uint64_t& integrated) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 
+#include "trebsweep/optimum/sobol.hpp"
+
 namespace trebsweep {
 namespace {
 
@@ -136,12 +138,18 @@ std::optional<Candidate> best_safe(const DesignProblem& problem, const MatrixXd&
   return std::nullopt;
 }
 
-/// Parameters around others, at a multiple of the tolerated deviations; fixed ones stay.
+/// Parameters around others, up to a multiple of the tolerated deviations from them; fixed ones
+/// stay.
 MatrixXd around(const DesignProblem& problem, const Parameters& parameters, double deviation,
                 double multiple) {
+  const bool has_variables = parameters.size() > length_count;
   Parameters reach = Parameters::Zero(parameters.size());
   reach(problem.free) = multiple * tolerated(problem.space, parameters, deviation)(problem.free);
-  const MatrixXd by = reach.asDiagonal() * directions(parameters.size());
+  const MatrixXd far = reach.asDiagonal() * directions(parameters.size());
+  constexpr Index within = 96;  // the sides of the variables are few
+  MatrixXd by(parameters.size(), far.cols() + (has_variables ? within : 0));
+  by.leftCols(far.cols()) = far;
+  if (has_variables) by.rightCols(within) = SobolSequence(-reach, reach).next(within);
   std::vector<Index> distinct;
   for (Index i = 0; i < by.cols(); ++i) {
     const auto is_same = [&](Index j) { return by.col(i) == by.col(j); };
@@ -194,20 +202,18 @@ bool are_safe(const DesignProblem& problem, const Parameters& parameters, double
 std::optional<Parameters> safe_parameters_near(const DesignProblem& problem,
                                                const Parameters& parameters, double deviation,
                                                std::uint64_t& integrated) {
-  std::optional<Candidate> best;
+  std::optional<Candidate> best = best_safe(problem, parameters, -HUGE_VAL, deviation, integrated);
   for (const double multiple : {1.1, 2.0, 4.0, 8.0, 16.0, 40.0, 80.0}) {
+    if (best) break;
     best = best_safe(problem, around(problem, parameters, deviation, multiple), -HUGE_VAL,
                      deviation, integrated);
-    if (best) break;
   }
   if (!best) return std::nullopt;
   for (double multiple = 2; multiple > 0.02;) {
     const auto next = best_safe(problem, around(problem, best->parameters, deviation, multiple),
                                 best->objective, deviation, integrated);
-    if (next)
-      best = next;
-    else
-      multiple /= 2;
+    multiple *= next ? 2 : 0.5;
+    if (next) best = next;
   }
   return best->parameters;
 }

@@ -123,11 +123,26 @@ TEST_CASE("Newton's method does not converge without values or without a feasibl
   CHECK_FALSE((found.converged && is_feasible(found.point)));
 }
 
-TEST_CASE("Newton's method does not converge where the objective is not stationary") {
-  // Increases along x everywhere, which the singular system of a step does not show.
+TEST_CASE("An objective that increases without curvature is largest at a bound") {
   const auto program = program_of([](const VectorXd& x) { return std::vector{x(0) - x(1) * x(1)}; },
                                   1, 0, {-1, -1}, {1, 1});
-  CHECK_FALSE(solve_kkt(program, at(program, vector({0.2, 0.1}))).converged);
+  const KktPoint found = solve_kkt(program, at(program, vector({0.2, 0.1})));
+  CHECK(found.converged);
+  CHECK(found.point.x(0) == 1);
+  CHECK(found.point.x(1) == Approx(0).margin(1e-9));
+  CHECK(found.multipliers(2) == Approx(1));  // of x(0) <= 1
+}
+
+TEST_CASE("Where the constraints cannot all be linearized to hold, a solution is still found") {
+  // At the start, the tangent of the circle lies beyond the bound of x(1).
+  const auto program = program_of(
+      [](const VectorXd& x) {
+        return std::vector{x(0), 0.5 - x.squaredNorm(), x(1) - 0.3 - x(0)};
+      },
+      1, 2, {-1, -1}, {0.9, 0.2});
+  const KktPoint found = solve_kkt(program, at(program, vector({0.05, 0.19})));
+  CHECK(found.converged);
+  CHECK(found.point.x(0) == Approx(0.9));
 }
 
 TEST_CASE("Where the objective is convex, the solution is a vertex and not the minimum") {
