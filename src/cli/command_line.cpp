@@ -107,17 +107,19 @@ ParetoSpec to_pareto(const std::vector<std::string>& words) {
   const std::string value = fmt::format("{}", fmt::join(words, " "));
   std::vector<std::string> parts;
   boost::split(parts, words[0], boost::is_any_of(","));
+  for (std::string& part : parts) boost::trim(part);
   double points = 20;
   constexpr double fewest = 3, most = 1000;
   if (words.size() == 2 && (!parse_number(words[1], points) || points != std::round(points)))
     points = 0;
-  if (parts.size() != 2 || words.size() > 2 || points < fewest || points > most)
-    refuse(
-        "pareto", value,
-        fmt::format("given after the job, as two objectives and a number of points from {} to {}: "
-                    "\"range, -peak-axle-load\" 20",
-                    fewest, most));
-  return {boost::trim_copy(parts[0]), boost::trim_copy(parts[1]), static_cast<std::size_t>(points)};
+  if (parts.size() != 2 || parts[0] == parts[1] || words.size() > 2 || points < fewest ||
+      points > most)
+    refuse("pareto", value,
+           fmt::format("given after the job, as two different objectives and a number of points "
+                       "from {} to {}: "
+                       "\"range, -peak-axle-load\" 20",
+                       fewest, most));
+  return {parts[0], parts[1], static_cast<std::size_t>(points)};
 }
 
 }  // namespace

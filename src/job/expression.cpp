@@ -213,6 +213,17 @@ Expression negative(const Expression& expression) {
   return opposite;
 }
 
+std::optional<std::string> text_of_negative(const Expression& expression) {
+  const std::string& text = expression.text;
+  if (!text.starts_with("-(") || !text.ends_with(")")) return std::nullopt;
+  int depth = 0;
+  for (const char c : text.substr(1, text.size() - 2)) {
+    depth += c == '(' ? 1 : c == ')' ? -1 : 0;
+    if (depth == 0) return std::nullopt;  // as in -(a) + (b)
+  }
+  return text.substr(2, text.size() - 3);
+}
+
 std::optional<Expression> to_expression(std::string_view text) {
   constexpr std::size_t longest = 1000;  // nested parentheses are parsed by recursion
   const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 128; };

@@ -127,7 +127,8 @@ Grid lattice_grid(const Scene& scene, const LatticeSpec& spec) {
 }
 
 Grid sobol_grid(const Job& job, std::uint64_t designs) {
-  constexpr std::uint64_t tries = 8;  // for each design
+  // For each design and each scene; where few scenes have designs, more until one is found.
+  constexpr std::uint64_t tries = 8, first_tries = 1000;
   const DesignSpace space = design_space(job);
   const auto k = std::ssize(job.optimum.variables), n = k + free_lengths(job);
   const auto values_each = std::pow(static_cast<double>(designs), 1 / static_cast<double>(n));
@@ -136,10 +137,12 @@ Grid sobol_grid(const Job& job, std::uint64_t designs) {
   SobolSequence variables(space.lower.tail(k), space.upper.tail(k));
   SobolSequence designs_within(space.lower.head(length_count), space.upper.head(length_count));
   std::vector<Parameters> found;
-  for (std::uint64_t scene = 0; scene < scenes; ++scene) {
+  std::uint64_t with_designs = 0;
+  for (std::uint64_t scene = 0;
+       with_designs < scenes && scene < (found.empty() ? first_tries : tries) * scenes; ++scene) {
     const VectorXd values = variables.next();
     const Scene at = with_variables(job, values).scene;
-    const std::size_t enough = found.size() + lengths;
+    const std::size_t before = found.size(), enough = before + lengths;
     for (std::uint64_t i = 0; i < tries * lengths && found.size() < enough; ++i) {
       const VectorXd of_lengths = designs_within.next();
       if (std::ranges::any_of(space.limits, [&](const SpaceLimit& limit) {
@@ -148,6 +151,7 @@ Grid sobol_grid(const Job& job, std::uint64_t designs) {
         continue;
       found.emplace_back(space.size()) << of_lengths, values;
     }
+    with_designs += found.size() > before ? 1 : 0;
   }
   if (found.empty())
     throw NoOptimum(

@@ -33,10 +33,24 @@ std::string number_text(double value, std::string_view unit, UnitSystem units, i
   return fmt::format("{:.{}g}{}", quantity.value, digits, quantity.unit);
 }
 
+/// The objective as it is shown: that of optimum.minimize has its own sign.
+struct ShownObjective {
+  std::string name, unit;
+  double factor;  ///< of values, which are divided by it
+};
+
+ShownObjective shown_objective(const OptimumResult& result, UnitSystem units) {
+  const auto minimized = text_of_negative(result.objective);
+  const auto [unit, factor] = shown_unit(result.objective.unit, units);
+  return {minimized.value_or(result.objective.text), unit.empty() ? "" : " " + unit,
+          minimized ? -factor : factor};
+}
+
 /// A value of the objective.
 std::string value_text(const OptimumResult& result, double value, UnitSystem units,
                        int digits = 9) {
-  return number_text(value, result.objective.unit, units, digits);
+  const ShownObjective objective = shown_objective(result, units);
+  return fmt::format("{:.{}g}{}", value / objective.factor, digits, objective.unit);
 }
 
 /// An angle in radians and degrees, or in degrees.
@@ -113,13 +127,13 @@ std::string limits_text(const OptimumResult& result, const Job& job, UnitSystem 
   const char* const of = job.optimum.robust == Robust::worst      ? " (of the worst value)"
                          : job.optimum.robust == Robust::expected ? " (of the expected value)"
                                                                   : "";
+  const ShownObjective objective = shown_objective(result, units);
   std::string text;
   for (const auto& [constraint, limit_unit, multiplier] : result.active) {
-    const auto [value, unit] = shown(multiplier, result.objective.unit, units);
     const auto [by, factor] = shown_unit(limit_unit, units);
     text += fmt::format("{:10} {}: {:+.6g}{}{}{}{}\n", text.empty() ? "limits" : "",
-                        limit_text(constraint, job, units), value * factor, unit,
-                        by.empty() ? "" : " per ", by, of);
+                        limit_text(constraint, job, units), multiplier * factor / objective.factor,
+                        objective.unit, by.empty() ? "" : " per ", by, of);
   }
   if (result.has_kink)
     text +=
@@ -134,9 +148,10 @@ std::string unsafe_text(const OptimumResult& result, const Job& job, UnitSystem 
   const double deviation = job.optimum.deviation;
   return fmt::format(
       "           the best design found that tolerates lengths off by up to {}:\n"
-      "           the {} jumps or falls steeply, or a constraint jumps, next to {} at {}\n",
-      deviation > 0 ? number_text(deviation, "m", units, 6) : "0.1 %", result.objective.text,
-      value_text(result, value, units), to_text(parameters, job.optimum.variables, units));
+      "           the {} jumps or changes steeply, or a constraint jumps, next to {} at {}\n",
+      deviation > 0 ? number_text(deviation, "m", units, 6) : "0.1 %",
+      shown_objective(result, units).name, value_text(result, value, units),
+      to_text(parameters, job.optimum.variables, units));
 }
 
 /// A field at the optimum, if it is known: "the_name 1.25 m".
@@ -207,12 +222,12 @@ std::vector<std::string> ends_crossed(const OptimumResult& result, const Job& jo
 std::string robustness_text(const OptimumResult& result, const Job& job, UnitSystem units) {
   if (!result.robustness) return "";
   const auto [worst, expected, unreleased] = *result.robustness;
-  const std::string values = unreleased
-                                 ? fmt::format("no worst value, {} has no release",
-                                               to_text(*unreleased, job.optimum.variables, units))
-                                 : fmt::format("worst {:.9g}, expected {}",
-                                               shown(worst, result.objective.unit, units).value,
-                                               value_text(result, expected, units));
+  const std::string values =
+      unreleased
+          ? fmt::format("no worst value, {} has no release",
+                        to_text(*unreleased, job.optimum.variables, units))
+          : fmt::format("worst {:.9g}, expected {}", worst / shown_objective(result, units).factor,
+                        value_text(result, expected, units));
   std::string text = fmt::format("deviation  lengths off by up to {}: {}\n",
                                  number_text(job.optimum.deviation, "m", units, 6), values);
   if (const auto crossed = ends_crossed(result, job, units); !crossed.empty())
@@ -232,7 +247,7 @@ std::string precision_text(const OptimumResult& result, const Job& job, UnitSyst
     const auto& words = d < length_count ? shorter_or_longer : less_or_more;
     text += fmt::format("{:10} {}: {}", text.empty() ? "1 % lost" : "", space.names[d],
                         allowance_text(result.allowances[d], space.units[d], words, job, units));
-    const double value = shown_unit(result.objective.unit, units).factor;
+    const double value = shown_objective(result, units).factor;
     const double by = shown_unit(space.units[d], units).factor;
     if (!std::isnan(result.gradient(i)))
       text += fmt::format("; gradient {:+.4g}, curvature {:+.4g}", result.gradient(i) * by / value,
@@ -248,7 +263,7 @@ std::string change_text(double change) {
 }
 
 std::string sensitivities_text(const OptimumResult& result, UnitSystem units) {
-  const double of_value = shown_unit(result.objective.unit, units).factor;
+  const double of_value = shown_objective(result, units).factor;
   std::string text = fmt::format("{:34}{:>18}", "change of the value", "lengths kept");
   const bool both = !std::ranges::all_of(
       result.sensitivities, [](const auto& s) { return std::isnan(s.second.of_optimum); });
@@ -298,7 +313,8 @@ std::vector<std::string> warnings(const OptimumResult& result, const Job& job, U
   std::vector<std::string> texts;
   for (const BuildProblem& problem : problems(result, job)) texts.push_back(problem.text);
   if (result.objective.distance < 0 && !result.is_on_target)
-    texts.push_back(fmt::format("the target is not met: {} is {} at best", result.objective.text,
+    texts.push_back(fmt::format("the target is not met: {} is {} at best",
+                                shown_objective(result, units).name,
                                 value_text(result, result.value, units, 6)));
   return texts;
 }
@@ -308,9 +324,10 @@ std::string to_text(const OptimumResult& result, const Job& given_job, UnitSyste
   const Solver solver = solver_of("vern8", 1e-13, job.solver);
   std::string text =
       fmt::format("scene      {}\nsolver     {}\n", scene_text(job), solver_text(solver));
-  text += fmt::format("optimum    {} {}, error {:.1g}\n", result.objective.text,
-                      value_text(result, result.value, units, 10),
-                      shown(result.error, result.objective.unit, units).value);
+  text += fmt::format(
+      "optimum    {}{} {}, error {:.1g}\n", text_of_negative(result.objective) ? "least " : "",
+      shown_objective(result, units).name, value_text(result, result.value, units, 10),
+      shown(result.error, result.objective.unit, units).value);
   text += unsafe_text(result, job, units);
   text +=
       fmt::format("design     {}, released at {:.8g} s\n",

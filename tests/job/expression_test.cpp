@@ -150,3 +150,11 @@ TEST_CASE("An expression that is a field has its meaning; a formula is its own")
   CHECK(meaning(to_expression(Field::range)) == info(Field::range).meaning);
   CHECK(meaning(to_expression("2 * range").value()) == "2 * range");
 }
+
+TEST_CASE(
+    "Only the negative of a whole expression is one, not a sum that begins and ends like it") {
+  CHECK(text_of_negative(negative(to_expression("(range) + (apex)").value())) ==
+        "(range) + (apex)");
+  CHECK_FALSE(text_of_negative(to_expression("-(range) + (apex)").value()));
+  CHECK_FALSE(text_of_negative(to_expression("-range").value()));
+}

@@ -51,6 +51,15 @@ TEST_CASE("A grid of a Sobol sequence keeps fixed lengths, and says that there a
   CHECK_THROWS_AS(sobol_grid(job, 1'000), NoOptimum);
 }
 
+TEST_CASE("Designs are found where few values of a variable allow any") {
+  // r2 + r3 <= h0, for which h0 has to be in the highest 5 % of its range.
+  const Job job = job_from(
+      "[lattice]\nr3 = 1.19\nr1 = 0.3\n"
+      "[optimum]\nvariables = fulcrum-height 1:1.2\n");
+  const Grid grid = sobol_grid(job, 500);
+  CHECK(grid.parameters.row(3).minCoeff() > 1.19);
+}
+
 TEST_CASE("Maxima of a grid without a lattice have no better one within a spacing") {
   const Job job = variable_job();
   const Grid grid = sobol_grid(job, 10'000);

@@ -141,3 +141,15 @@ TEST_CASE("A sensitivity is per 1 % of the key, or per unit where the key is 0")
   CHECK_THAT(line("gravity + 1 %"), contains("+0.08477") && contains("+0.08575"));
   CHECK_THAT(line("sling-mass per kg"), contains("-0.01") && contains("-0.02"));
 }
+
+TEST_CASE("The objective of optimum.minimize is shown with its own sign") {
+  OptimumResult result = some_result();
+  result.objective = negative(result.objective);
+  result.value *= -1;
+  const std::string text = to_text(result, Job{});
+  for (const std::string words :
+       {"optimum    least range 26.67815712 m, error", "r2 + r3 <= 1.5: -9.5187 m per m",
+        "gradient -1.25, curvature +11", "the next best is -20.5 m"})
+    CHECK_THAT(text, contains(words));
+  CHECK_THAT(text, !contains("-(range)"));
+}

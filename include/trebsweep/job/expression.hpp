@@ -61,6 +61,9 @@ std::string_view meaning(const Expression& expression);
 /// The expression with the opposite sign.
 Expression negative(const Expression& expression);
 
+/// The text of the expression that one is the negative() of, if it is one.
+std::optional<std::string> text_of_negative(const Expression& expression);
+
 /// The expression with a text: sums, differences, products and quotients of operands, numbers and
 /// abs(), with parentheses. Nothing if it is not one, is_constant, or has more than 1000
 /// characters.
