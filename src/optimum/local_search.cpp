@@ -99,8 +99,7 @@ KktPoint polished(const NonlinearProgram& program, const Point& near) {
 }
 
 KktPoint search_once(const NonlinearProgram& program, const Point& start, Effort effort) {
-  constexpr double little = 0.01;  // a violation from which Newton's method does not lead away
-  const bool near = start.violation <= little;
+  const bool near = start.violation <= little_violation;
   const KktPoint found = polished(program, near ? start : zoom(program, start));
   if (found.converged || !near || effort == Effort::quick) return found;
   return polished(program, zoom(program, found.point));

@@ -241,7 +241,7 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
                                             : VectorXd::Unit(c->values.size(), smallest);
   double last_length = HUGE_VAL;
   std::vector<Point> visited{start};
-  const double max_violation = std::max(start.violation, 0.01);
+  const double max_violation = std::max(start.violation, little_violation);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Step step = newton_step(*c, multipliers);
     multipliers = step.multipliers;  // better ones also where the step is refused

@@ -154,6 +154,70 @@ void refuse_divergence(const Job& job, const DesignProblem& problem, OptimumResu
       job.optimum.objective.unit));
 }
 
+/// Finds the local maxima of a job, all conditions of which are in `full`, and returns the problem
+/// that they belong to. Conditions that the best design satisfies anyway need not slow down the
+/// search from starts that may violate them. Collective.
+DesignProblem find_local_maxima(const Job& given_job, const Job& job, const DesignProblem& full,
+                                const Starts& starts, ProgressStyle style, MPI_Comm comm,
+                                OptimumResult& result) {
+  DesignProblem problem =
+      job.optimum.variables.empty() ? design_problem(given_job, starts.parameters.front()) : full;
+  const bool is_full = problem.constraints.size() == full.constraints.size();
+  const auto search_all = [&] {
+    return find_maxima(starts.parameters, problem, style, comm, result.designs);
+  };
+  std::vector<Found> found = search_all();
+  if (!is_full && !found.empty() &&
+      (job.optimum.robust != Robust::no ||
+       !is_feasible(full, distinct(found, problem).front().parameters))) {
+    problem = full;
+    found = search_all();
+  }
+  if (found.empty()) refuse_constraints(full, starts);
+  result.starts = starts.parameters.size();
+  result.maxima = distinct(found, problem);
+  return problem;
+}
+
+/// Finds the local maxima of the worst or mean value, from those of the value, and takes the best.
+/// Collective.
+ProblemOptimum take_robust(const Job& job, const DesignProblem& problem, ProgressStyle style,
+                           MPI_Comm comm, OptimumResult& result) {
+  const double deviation = job.optimum.deviation;
+  const auto search_robust = [&](const Parameters& start, std::uint64_t& integrated) {
+    return undivided(problem,
+                     robust_search(problem, start, job.optimum.robust, deviation, integrated));
+  };
+  std::vector<Parameters> maxima;
+  for (const LocalMaximum& m : result.maxima)
+    if (m.converged || maxima.empty()) maxima.push_back(m.parameters);
+  const auto found = find_maxima(maxima, search_robust, style, comm, result.designs);
+  if (found.empty()) refuse_deviation(deviation);
+  result.starts = maxima.size();
+  result.maxima = distinct(found, problem);
+  ProblemOptimum optimum = take_best(problem, search_robust, result);
+  optimum.parts.front().derivatives.fill(nan);  // they are those of the worst or mean value
+  return optimum;
+}
+
+/// Takes the derivatives from an optimum that has none, where the target is met or the search has
+/// not converged.
+void drop_derivatives(const Job& job, const DesignProblem& problem, OptimumResult& result,
+                      ProblemOptimum& optimum) {
+  constexpr double met = 1e-6;
+  result.is_on_target =
+      job.optimum.objective.distance < 0 && std::abs(values_at(problem, result.parameters)(0)) <=
+                                                met * magnitude_at(problem, result.parameters);
+  if (result.is_on_target) {
+    result.converged = false;
+    result.active.clear();
+  }
+  if (!result.converged)
+    optimum.parts = {{problem, 1, VectorXd::Constant(std::ssize(limits(problem)), nan)}};
+  result.has_kink =
+      std::ranges::count_if(optimum.parts, [](const auto& part) { return part.weight > 0; }) > 1;
+}
+
 }  // namespace
 
 std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOptions& given,
@@ -167,31 +231,14 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
   refuse_empty_space(job);
   Starts starts = find_starts(job, options.own_lattice, options.progress, comm);
   starts.parameters.insert(starts.parameters.end(), given.starts.begin(), given.starts.end());
-  const Index variable_count = std::ssize(job.optimum.variables);
   OptimumResult result{};
   result.objective = job.optimum.objective;
   result.coarse_increment = starts.increment;
   result.designs = starts.integrated;
 
-  // Conditions that the best design satisfies anyway need not slow down the search from starts that
-  // may violate them.
   const DesignProblem full = design_problem(job, starts.parameters.front());
   DesignProblem problem =
-      variable_count == 0 ? design_problem(given_job, starts.parameters.front()) : full;
-  const bool is_full = problem.constraints.size() == full.constraints.size();
-  const auto search_all = [&] {
-    return find_maxima(starts.parameters, problem, options.progress, comm, result.designs);
-  };
-  std::vector<Found> found = search_all();
-  if (!is_full && !found.empty() &&
-      (job.optimum.robust != Robust::no ||
-       !is_feasible(full, distinct(found, problem).front().parameters))) {
-    problem = full;
-    found = search_all();
-  }
-  result.starts = starts.parameters.size();
-  if (found.empty()) refuse_constraints(full, starts);
-  result.maxima = distinct(found, problem);
+      find_local_maxima(given_job, job, full, starts, options.progress, comm, result);
   ProblemOptimum optimum;
   if (job.optimum.robust == Robust::no) {
     const auto search_again = [&](const Parameters& start, std::uint64_t& integrated) {
@@ -203,40 +250,16 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
     take_safe(job, full, starts.parameters, options.progress, comm, result);
   } else {
     problem.space = robust_space(job, problem.space, deviation);
-    const auto search_robust = [&](const Parameters& start, std::uint64_t& integrated) {
-      return undivided(problem,
-                       robust_search(problem, start, job.optimum.robust, deviation, integrated));
-    };
-    std::vector<Parameters> maxima;
-    for (const LocalMaximum& m : result.maxima)
-      if (m.converged || maxima.empty()) maxima.push_back(m.parameters);
-    found = find_maxima(maxima, search_robust, options.progress, comm, result.designs);
-    if (found.empty()) refuse_deviation(deviation);
-    result.starts = maxima.size();
-    result.maxima = distinct(found, problem);
-    optimum = take_best(problem, search_robust, result);
-    optimum.parts.front().derivatives.fill(nan);  // they are those of the worst or mean value
+    optimum = take_robust(job, problem, options.progress, comm, result);
   }
   // Of searches that did not converge, some may have stopped on the way.
   std::erase_if(result.maxima, [&](const LocalMaximum& m) {
     return !m.converged && &m != &result.maxima.front();
   });
-  const Expression& objective = job.optimum.objective;
-  constexpr double met = 1e-6;
-  result.is_on_target =
-      objective.distance < 0 && std::abs(values_at(problem, result.parameters)(0)) <=
-                                    met * magnitude_at(problem, result.parameters);
-  if (result.is_on_target) {
-    result.converged = false;
-    result.active.clear();
-  }
-  if (!result.converged) {
-    optimum.parts = {{problem, 1, VectorXd::Constant(std::ssize(limits(problem)), nan)}};
-  }
-  result.has_kink =
-      std::ranges::count_if(optimum.parts, [](const auto& part) { return part.weight > 0; }) > 1;
+  drop_derivatives(job, problem, result, optimum);
 
-  const Job found_job = with_variables(job, result.parameters.tail(variable_count));
+  const Job found_job =
+      with_variables(job, result.parameters.tail(std::ssize(job.optimum.variables)));
   if (!result.is_on_target)
     result.sensitivities = all_sensitivities(found_job, optimum, result.parameters, comm);
   if (mpi::rank(comm) != 0) return std::nullopt;

@@ -18,9 +18,6 @@ using Eigen::VectorXd;
 /// How far below the largest value, scaled, an extreme may be that a search makes equal to it.
 constexpr double close = 0.05;
 
-/// A violation from which Newton's method does not lead away.
-constexpr double little = 0.01;
-
 bool has_extreme(const Expression& expression) {
   return std::ranges::any_of(expression.fields,
                              [](Field field) { return info(field).kind == FieldKind::load; });
@@ -159,7 +156,7 @@ ProblemOptimum search_parts(const DesignProblem& problem, const NonlinearProgram
   constexpr double rounding = 1e-10;
   ProblemOptimum best = undivided(problem, stopped);
   Point point = stopped.point;
-  for (int round = 0; round < rounds && point.violation <= little; ++round) {
+  for (int round = 0; round < rounds && point.violation <= little_violation; ++round) {
     const auto parts = split(problem, to_parameters(problem, point.x), integrated);
     if (parts.size() == 1) break;
     const KktPoint joint = solve_kkt(program_of(parts, integrated), point);
@@ -211,7 +208,8 @@ ProblemOptimum search(const DesignProblem& problem, const Parameters& start, Eff
                       std::uint64_t& integrated) {
   const NonlinearProgram program = nominal_program(problem, integrated);
   const auto with_parts = [&](const KktPoint& found) {
-    if (found.converged || found.point.violation > little) return undivided(problem, found);
+    if (found.converged || found.point.violation > little_violation)
+      return undivided(problem, found);
     return search_parts(problem, program, found, integrated);
   };
   const KktPoint quick = search(program, to_scaled(problem, start), Effort::quick);

@@ -52,6 +52,54 @@ TEST_CASE("The largest of the smallest of several functions is found where they 
   }
 }
 
+TEST_CASE("At a kink, the weights of the functions that meet add up to one") {
+  for (SolvedProgram& solved : minimax()) {
+    INFO(solved.name);
+    solved.program.is_at_kink = true;
+    const KktPoint found = solve_near(solved);
+    CHECK(found.converged);
+    CHECK((found.point.x - solved.solution).cwiseAbs().maxCoeff() < 1e-9);
+    CHECK(found.weights.sum() == Approx(1));
+    CHECK(found.weights.minCoeff() >= 0);
+  }
+}
+
+TEST_CASE("A Lagrangian that is convex across the constraints is maximized along them") {
+  // x y on x + y <= 1: its second derivatives have an eigenvalue of either sign.
+  const auto program = program_of(
+      [](const VectorXd& x) {
+        return std::vector{x(0) * x(1), x(0) + x(1) - 1};
+      },
+      1, 1, {0, 0}, {1, 1});
+  const KktPoint found = solve_kkt(program, at(program, vector({0.42, 0.5})));
+  CHECK(found.converged);
+  CHECK((found.point.x - vector({0.5, 0.5})).norm() < 1e-9);
+  CHECK(found.multipliers(0) == Approx(0.5));
+}
+
+TEST_CASE("Steps that would lead away are refused") {
+  // Newton's method for the maximum of -(1 + x^2)^(1/2) diverges from beyond 1.
+  const auto program =
+      program_of([](const VectorXd& x) { return std::vector{-std::sqrt(1 + 100 * x(0) * x(0))}; },
+                 1, 0, {-2}, {2});
+  const KktPoint found = solve_kkt(program, at(program, vector({0.5})));
+  CHECK(found.converged);
+  CHECK(std::abs(found.point.x(0)) < 1e-9);
+}
+
+TEST_CASE("A method that does not converge returns the best point on its way") {
+  const auto program = program_of(
+      [](const VectorXd& x) {
+        const double far = x(0) - 0.1234567;
+        return std::vector{std::min(far, -2 * far)};
+      },
+      1, 0, {0}, {1});
+  const Point start = at(program, vector({0.5}));
+  const KktPoint found = solve_kkt(program, start);
+  CHECK_FALSE(found.converged);
+  CHECK(found.point.objective > start.objective / 10);
+}
+
 TEST_CASE("A constraint that is given twice has its multiplier shared") {
   SolvedProgram solved = hock_schittkowski()[1];
   const NonlinearProgram once = solved.program;

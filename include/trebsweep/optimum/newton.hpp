@@ -16,9 +16,9 @@ struct KktPoint {
   Eigen::VectorXd weights = {};  ///< the multipliers of the objectives, which add up to one
 };
 
-/// Newton's method for the conditions of Karush, Kuhn and Tucker, with an active set of constraints
-/// and bounds, from a point that violates the constraints little. (Nocedal and Wright, Numerical
-/// Optimization, chapters 16 and 18.)
+/// Newton's method for the conditions of Karush, Kuhn and Tucker, from a point that violates the
+/// constraints little. (Nocedal and Wright, Numerical Optimization, chapters 16 and 18.) If it does
+/// not converge, the best point on the way is returned.
 KktPoint solve_kkt(const NonlinearProgram& program, const Point& start);
 
 }  // namespace trebsweep

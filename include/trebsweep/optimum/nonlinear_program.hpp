@@ -42,6 +42,9 @@ struct Point {
 /// Constraints count as satisfied up to this, which is above rounding errors.
 inline constexpr double feasibility_tolerance = 1e-10;
 
+/// A violation of constraints from which Newton's method does not lead away.
+inline constexpr double little_violation = 0.01;
+
 /// Whether a Point, or another struct with its last two members, satisfies the constraints.
 template <class P>
 bool is_feasible(const P& point) {
