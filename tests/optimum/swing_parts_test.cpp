@@ -1,6 +1,9 @@
 #include "trebsweep/optimum/swing_parts.hpp"
 
+#include <array>
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "optimum/jobs.hpp"
 #include "support/catch.hpp"
@@ -75,6 +78,48 @@ TEST_CASE("The extremes of a swing are those of its parts, which differ only in 
     CHECK(values.row(load).minCoeff() < values.row(load).maxCoeff());
     CHECK(values.row(range).minCoeff() == values.row(range).maxCoeff());
   }
+}
+
+TEST_CASE("Every extreme of a hinged machine with a trough is that of three windows of its swing") {
+  const Job job = job_from(R"([scene]
+counterweight-mass = 60
+counterweight-hanger = 0.26
+projectile-mass = 0.5
+projectile-diameter = 0.09
+fulcrum-height = 1.1
+start-angle = 0.6
+trough = yes
+beam-density = 450
+beam-width = 0.045
+beam-depth = 0.095
+beam-inertia = prism
+[solver]
+release = farthest
+)");
+  const Parameters parameters = Eigen::Vector3d(0.66, 0.93, 0.83);
+  const std::vector<Field> largest{Field::peak_axle_load, Field::peak_sling_tension,
+                                   Field::peak_hanger_tension, Field::peak_beam_stress};
+  const std::vector<Field> smallest{Field::least_sling_tension,     Field::least_hanger_tension,
+                                    Field::tip_clearance,           Field::projectile_clearance,
+                                    Field::counterweight_clearance, Field::ground_clearance};
+  const auto values_in = [&](const TimeWindow& window, const std::vector<Field>& fields) {
+    MachineFamily machine = family_of(job);
+    machine.solver.recorded = window;
+    return field_values(machine, Accuracy::high, parameters, fields);
+  };
+  const double end = std::numeric_limits<double>::infinity();
+  const std::array<TimeWindow, 3> windows{{{0, 0.2}, {0.2, 0.4}, {0.4, end}}};
+  Eigen::MatrixXd of_largest(largest.size(), 3), of_smallest(smallest.size(), 3);
+  for (Index i = 0; const TimeWindow& window : windows) {
+    of_largest.col(i) = values_in(window, largest);
+    of_smallest.col(i++) = values_in(window, smallest);
+  }
+  const Eigen::VectorXd peaks = values_in({0, end}, largest), least = values_in({0, end}, smallest);
+  CHECK(peaks.allFinite());
+  CHECK(least.allFinite());
+  CHECK(of_largest.rowwise().maxCoeff() == peaks);
+  CHECK(of_smallest.rowwise().minCoeff() == least);
+  CHECK(of_largest.rowwise().minCoeff() != peaks);
 }
 
 TEST_CASE("A swing whose load has one peak is not divided") {
