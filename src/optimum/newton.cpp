@@ -97,7 +97,7 @@ VectorXd non_negative_minimum(const MatrixXd& a, const VectorXd& b) {
     Index steepest = 0;
     if (slope.maxCoeff(&steepest) <= rounding) break;
     positive.push_back(steepest);
-    while (true) {
+    while (!positive.empty()) {
       const VectorXd full = a(positive, positive).ldlt().solve(b(positive, 0));
       if (full.minCoeff() > 0) {
         x(positive, 0) = full;
