@@ -186,7 +186,7 @@ def provenance(machine, name):
     unit = objective_unit(optimum)
     bound = 10.0 ** np.ceil(np.log10(max(optimum["error"], 1e-9)))
     error = f"{bound:.0e} {'' if unit == '1' else unit}".rstrip()
-    lines = [f"{name}: largest {optimum['objective']}, with an error below {error}. {optimum['version']}.", BUILT]
+    lines = [f"{name}: {optimum['sought']}, with an error below {error}. {optimum['version']}.", BUILT]
     if any(limit for pair in optimum["one_percent_limit"] for limit in pair) and not machine.deviation:
         lines.append("Where a limit is reached, there is no room to one side: optimum.deviation with "
                      "optimum.robust = worst leaves it.")

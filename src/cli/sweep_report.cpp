@@ -29,14 +29,15 @@ bool is_speed(const Job& job) { return field_of(job.optimum.objective) == Field:
 
 std::string optimum_text(const BestDesign& best, std::uint64_t scene, const Job& job,
                          bool refined) {
-  const Expression& objective = job.optimum.objective;
+  const ShownObjective objective = shown(job.optimum.objective);
   const std::string place = fmt::format("at {}, released at {:.8g} s",
                                         lengths_text(best.design, refined), best.release_time);
-  const std::string unit = unit_text(objective.unit);
-  std::string text =
-      is_speed(job) ? fmt::format("{:.8f} m/s {}", best.speed, place)
-                    : fmt::format("{} {:.10g}{}{} {} with {:.8f} m/s", objective.text, best.value,
-                                  unit.empty() ? "" : " ", unit, place, best.speed);
+  const std::string unit = unit_text(job.optimum.objective.unit);
+  std::string text = is_speed(job) ? fmt::format("{:.8f} m/s {}", best.speed, place)
+                                   : fmt::format("{}{} {:.10g}{}{} {} with {:.8f} m/s",
+                                                 objective.sign < 0 ? "least " : "", objective.text,
+                                                 objective.sign * best.value,
+                                                 unit.empty() ? "" : " ", unit, place, best.speed);
   if (is_study(job)) text += fmt::format(", where {}", outer_values_text(job, scene));
   if (must_be_taut(job)) text += ", the sling taut";
   const auto& constraints = job.optimum.constraints;
@@ -54,7 +55,7 @@ std::string reason_for_no_optimum(const Summary& summary, const Job& job) {
   if (!released) return "none: nothing was released";
   std::vector<std::string> conditions;
   if (!is_speed(job))
-    conditions.push_back(fmt::format("has a finite {}", job.optimum.objective.text));
+    conditions.push_back(fmt::format("has a finite {}", shown(job.optimum.objective).text));
   if (must_be_taut(job)) conditions.emplace_back("has a taut sling");
   if (!job.optimum.constraints.empty()) conditions.emplace_back("satisfies the constraints");
   return fmt::format("none: no released design {}", fmt::join(conditions, " and "));
@@ -95,8 +96,10 @@ std::vector<TextColumn> columns(const std::vector<BestDesign>& optima, const Job
     ++a;
   }
   const std::string unit = unit_text(job.optimum.objective.unit);
-  add(job.optimum.objective.text, unit,
-      [&](std::uint64_t scene) { return fmt::format("{:.8g}", optima[scene].value); });
+  const ShownObjective objective = shown(job.optimum.objective);
+  add(objective.text, unit, [&](std::uint64_t scene) {
+    return fmt::format("{:.8g}", objective.sign * optima[scene].value);
+  });
   const std::array lengths{std::pair{"r1", &Design<double>::r1},
                            std::pair{"r2", &Design<double>::r2},
                            std::pair{"r3", &Design<double>::r3}};

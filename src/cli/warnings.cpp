@@ -231,7 +231,7 @@ std::vector<std::string> check_warnings(const Job& job, const BestDesign& optimu
   if (error) add(lines, speed_warning(*error, largest, job.solver));
   if (optimum.exists() && !is_slack && job.output.optimum_filter == OptimumFilter::all &&
       job.scene.sling_stiffness == 0)
-    add(lines, slack_warning(checks, optimum.value, job.optimum.objective.text));
+    add(lines, slack_warning(checks, optimum.value, shown(job.optimum.objective).text));
   return lines;
 }
 

@@ -213,15 +213,16 @@ Expression negative(const Expression& expression) {
   return opposite;
 }
 
-std::optional<std::string> text_of_negative(const Expression& expression) {
-  const std::string& text = expression.text;
-  if (!text.starts_with("-(") || !text.ends_with(")")) return std::nullopt;
+ShownObjective shown(const Expression& objective) {
+  const std::string& text = objective.text;
+  const ShownObjective as_given{text, 1, "largest"};
+  if (!text.starts_with("-(") || !text.ends_with(")")) return as_given;
   int depth = 0;
   for (const char c : text.substr(1, text.size() - 2)) {
     depth += c == '(' ? 1 : c == ')' ? -1 : 0;
-    if (depth == 0) return std::nullopt;  // as in -(a) + (b)
+    if (depth == 0) return as_given;  // as in -(a) + (b)
   }
-  return text.substr(2, text.size() - 3);
+  return {text.substr(2, text.size() - 3), -1, "least"};
 }
 
 std::optional<Expression> to_expression(std::string_view text) {

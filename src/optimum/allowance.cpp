@@ -126,7 +126,7 @@ std::optional<Allowance> pin_allowance(const DesignProblem& problem, const Param
     return values;
   };
   if (!(std::abs(angle) < std::numbers::pi) ||
-      !(std::abs(values_off({0.0})(0, 0) - value) <= same * std::abs(value)))
+      !(std::abs(values_off({0.0})(0, 0) - value) <= same * magnitude_at(problem, parameters)))
     return std::nullopt;
   const std::vector<Limit> all = limits(problem);
   const auto end = [&](double sign) {

@@ -127,7 +127,7 @@ Grid lattice_grid(const Scene& scene, const LatticeSpec& spec) {
 }
 
 Grid sobol_grid(const Job& job, std::uint64_t designs) {
-  // For each design and each scene; where few scenes have designs, more until one is found.
+  // For each design and each scene; where few scenes have designs, more until the first is found.
   constexpr std::uint64_t tries = 8, first_tries = 1000;
   const DesignSpace space = design_space(job);
   const auto k = std::ssize(job.optimum.variables), n = k + free_lengths(job);
@@ -137,9 +137,8 @@ Grid sobol_grid(const Job& job, std::uint64_t designs) {
   SobolSequence variables(space.lower.tail(k), space.upper.tail(k));
   SobolSequence designs_within(space.lower.head(length_count), space.upper.head(length_count));
   std::vector<Parameters> found;
-  std::uint64_t with_designs = 0;
-  for (std::uint64_t scene = 0;
-       with_designs < scenes && scene < (found.empty() ? first_tries : tries) * scenes; ++scene) {
+  std::uint64_t with_designs = 0, most_scenes = first_tries * scenes;
+  for (std::uint64_t scene = 0; with_designs < scenes && scene < most_scenes; ++scene) {
     const VectorXd values = variables.next();
     const Scene at = with_variables(job, values).scene;
     const std::size_t before = found.size(), enough = before + lengths;
@@ -151,7 +150,8 @@ Grid sobol_grid(const Job& job, std::uint64_t designs) {
         continue;
       found.emplace_back(space.size()) << of_lengths, values;
     }
-    with_designs += found.size() > before ? 1 : 0;
+    if (found.size() == before) continue;
+    if (with_designs++ == 0) most_scenes = scene + tries * scenes;
   }
   if (found.empty())
     throw NoOptimum(

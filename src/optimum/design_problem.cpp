@@ -146,8 +146,8 @@ Domain allowed(const DesignProblem& problem, const Parameters& units) {
 }
 
 MatrixXd quantities(const DesignProblem& problem, const MachineFamily& machine,
-                    const MatrixXd& parameters) {
-  const MatrixXd fields = field_values(machine, Accuracy::high, parameters, problem.fields);
+                    const MatrixXd& parameters, Accuracy accuracy) {
+  const MatrixXd fields = field_values(machine, accuracy, parameters, problem.fields);
   MatrixXd values(1 + problem.constraints.size(), parameters.cols());
   for_each_design(machine, parameters, problem.fields, fields,
                   [&](Index column, const Operands& operands) {
@@ -158,8 +158,8 @@ MatrixXd quantities(const DesignProblem& problem, const MachineFamily& machine,
   return values;
 }
 
-MatrixXd values_at(const DesignProblem& problem, const MatrixXd& parameters) {
-  MatrixXd values = quantities(problem, problem.machine, parameters);
+MatrixXd values_at(const DesignProblem& problem, const MatrixXd& parameters, Accuracy accuracy) {
+  MatrixXd values = quantities(problem, problem.machine, parameters, accuracy);
   values.row(0) /= problem.scales[0];
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const Constraint& constraint = problem.constraints[i];

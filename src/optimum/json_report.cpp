@@ -1,5 +1,7 @@
 #include "trebsweep/optimum/json_report.hpp"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -32,7 +34,9 @@ Json named(const Parameters& parameters, const DesignSpace& space) {
 std::string to_json(const OptimumResult& result, const Job& given_job) {
   const Job job = found_job(result, given_job);
   const DesignSpace space = design_space(job);
+  const ShownObjective objective = shown(result.objective);
   Json json{{"objective", result.objective.text},
+            {"sought", fmt::format("{} {}", objective.extreme, objective.text)},
             {"value", result.value},
             {"error", result.error},
             {"r1", result.parameters(0)},

@@ -49,8 +49,8 @@ Inequalities inequalities(const NonlinearProgram& program, const VectorXd& x, co
   return c;
 }
 
-/// A step of y, the multipliers of all inequalities, and by how much it fails to be a stationary
-/// point of the model that satisfies the linearized inequalities.
+/// A step of y, the multipliers of all inequalities, and the residual of the equations that it
+/// solves or the largest of the linearized inequalities after it.
 struct Step {
   VectorXd d, multipliers;
   double residual;
@@ -107,7 +107,7 @@ VectorXd non_negative_minimum(const MatrixXd& a, const VectorXd& b) {
       Index first = 0;
       for (Index k = 0; k < full.size(); ++k)
         if (const double now = x(positive[static_cast<std::size_t>(k)]); full(k) <= 0)
-          if (const double p = now / (now - full(k)); p <= part) part = p, first = k;
+          if (const double p = now > 0 ? now / (now - full(k)) : 0; p <= part) part = p, first = k;
       x(positive, 0) += part * (full - x(positive, 0));
       x(positive[static_cast<std::size_t>(first)]) = 0;
       positive.erase(positive.begin() + first);
@@ -165,7 +165,12 @@ Step newton_step(const Inequalities& c, const VectorXd& multipliers) {
   std::vector<Index> active;
   for (Index i = 0; i < c.values.size(); ++i)
     if (concave.multipliers(i) > 0) active.push_back(i);
-  const Step step = equality_step(c, concave_within(hessian, tangents(c, active), 0), active);
+  Step step = equality_step(c, concave_within(hessian, tangents(c, active), 0), active);
+  // Where more inequalities are active than there are dimensions, some multipliers are not needed.
+  for (Index least = 0; step.multipliers.minCoeff(&least) <= -rounding && active.size() > 1;) {
+    std::erase(active, least);
+    step = equality_step(c, concave_within(hessian, tangents(c, active), 0), active);
+  }
   const bool is_exact = step.residual < rounding && step.multipliers.minCoeff() > -rounding &&
                         (c.values + c.gradients * step.d).maxCoeff() < rounding;
   return is_exact ? step : concave;
@@ -244,7 +249,8 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   const double max_violation = std::max(start.violation, little_violation);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Step step = newton_step(*c, multipliers);
-    multipliers = step.multipliers;  // better ones also where the step is refused
+    // Better ones also where the step is refused, unless the inequalities exclude each other.
+    if (step.residual < max_residual) multipliers = step.multipliers;
     const VectorXd d = step.d.head(n);
     const double length = d.norm();
     // Where only steps far shorter than the model's do not lead away, the model does not hold.
@@ -258,13 +264,14 @@ KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
         if (!c) break;
       } else {
         reach = std::min(reach, length) / 4;
+        if (length >= converged) solution.converged = false;
       }
       continue;
     }
     reach = std::min(2 * reach, max_reach);
     visited.push_back(point);
     solution = {point, multipliers.tail(solution.multipliers.size()),
-                length < converged && step.residual < max_residual,
+                length < converged && step.residual < max_residual && is_feasible(point),
                 multipliers.head(program.objectives)};
     const bool is_rounding = length < converged && length > last_length / 2;
     if (length < enough || is_rounding) break;

@@ -124,12 +124,13 @@ void take_safe(const Job& job, const DesignProblem& problem, const std::vector<P
       better_starts.push_back(start);
   search_all(better_starts);
   if (!best)
-    throw NoOptimum(
-        fmt::format("the {} or a constraint jumps next to every good design found, such as {} with "
-                    "{:.6g}: lengths that are "
-                    "off by {} would lose it; choose other axes, release or constraints",
-                    job.optimum.objective.text, to_text(result.parameters, job.optimum.variables),
-                    result.value, deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %"));
+    throw NoOptimum(fmt::format(
+        "the {} or a constraint jumps next to every good design found, such as {}: "
+        "lengths that are off by {} would lose it; choose other axes, release or "
+        "constraints",
+        shown(job.optimum.objective).text, to_text(result.parameters, job.optimum.variables),
+        deviation > 0 ? fmt::format("{} m", deviation) : "0.1 %"));
+  if (best->value >= result.unsafe->value) result.unsafe.reset();  // from another start
   result.parameters = best->parameters;
   result.converged = false;
   result.active.clear();
@@ -147,11 +148,13 @@ void refuse_divergence(const Job& job, const DesignProblem& problem, OptimumResu
   const VectorXd values = values_at(problem, points).row(0) * problem.scales.front();
   result.designs += static_cast<std::uint64_t>(points.cols());
   if (!(values(2) - values(1) > 0.5 * (values(1) - values(0)) && values(1) > values(0))) return;
+  const ShownObjective objective = shown(job.optimum.objective);
+  const double sign = objective.sign;
   throw NoOptimum(fmt::format(
-      "the largest {} is not reached: it grows without limit as r1 approaches its open bound "
+      "the {} {} is not reached: it {} without limit as r1 approaches its open bound "
       "{} = {:.6g} m (47): {:.4g}, {:.4g} and {:.4g} {} at 1 mm, 1 um and 1 nm from it",
-      job.optimum.objective.text, arm.low_text, bound, values(0), values(1), values(2),
-      job.optimum.objective.unit));
+      objective.extreme, objective.text, sign > 0 ? "grows" : "falls", arm.low_text, bound,
+      sign * values(0), sign * values(1), sign * values(2), job.optimum.objective.unit));
 }
 
 /// Finds the local maxima of a job, all conditions of which are in `full`, and returns the problem

@@ -33,24 +33,17 @@ std::string number_text(double value, std::string_view unit, UnitSystem units, i
   return fmt::format("{:.{}g}{}", quantity.value, digits, quantity.unit);
 }
 
-/// The objective as it is shown: that of optimum.minimize has its own sign.
-struct ShownObjective {
-  std::string name, unit;
-  double factor;  ///< of values, which are divided by it
-};
-
-ShownObjective shown_objective(const OptimumResult& result, UnitSystem units) {
-  const auto minimized = text_of_negative(result.objective);
+/// The unit of the objective, with a space before it, and by what values are divided to show them.
+ShownUnit objective_unit(const OptimumResult& result, UnitSystem units) {
   const auto [unit, factor] = shown_unit(result.objective.unit, units);
-  return {minimized.value_or(result.objective.text), unit.empty() ? "" : " " + unit,
-          minimized ? -factor : factor};
+  return {unit.empty() ? "" : " " + unit, shown(result.objective).sign * factor};
 }
 
 /// A value of the objective.
 std::string value_text(const OptimumResult& result, double value, UnitSystem units,
                        int digits = 9) {
-  const ShownObjective objective = shown_objective(result, units);
-  return fmt::format("{:.{}g}{}", value / objective.factor, digits, objective.unit);
+  const auto [unit, factor] = objective_unit(result, units);
+  return fmt::format("{:.{}g}{}", value / factor, digits, unit);
 }
 
 /// An angle in radians and degrees, or in degrees.
@@ -127,17 +120,16 @@ std::string limits_text(const OptimumResult& result, const Job& job, UnitSystem 
   const char* const of = job.optimum.robust == Robust::worst      ? " (of the worst value)"
                          : job.optimum.robust == Robust::expected ? " (of the expected value)"
                                                                   : "";
-  const ShownObjective objective = shown_objective(result, units);
+  const auto [unit, of_value] = objective_unit(result, units);
   std::string text;
   for (const auto& [constraint, limit_unit, multiplier] : result.active) {
     const auto [by, factor] = shown_unit(limit_unit, units);
     text += fmt::format("{:10} {}: {:+.6g}{}{}{}{}\n", text.empty() ? "limits" : "",
-                        limit_text(constraint, job, units), multiplier * factor / objective.factor,
-                        objective.unit, by.empty() ? "" : " per ", by, of);
+                        limit_text(constraint, job, units), multiplier * factor / of_value, unit,
+                        by.empty() ? "" : " per ", by, of);
   }
   if (result.has_kink)
-    text +=
-        "kink       two extremes of the swing are equal, so the objective has no gradient here\n";
+    text += "kink       extremes of the swing are equal, so the objective has no gradient here\n";
   return text;
 }
 
@@ -149,9 +141,8 @@ std::string unsafe_text(const OptimumResult& result, const Job& job, UnitSystem 
   return fmt::format(
       "           the best design found that tolerates lengths off by up to {}:\n"
       "           the {} jumps or changes steeply, or a constraint jumps, next to {} at {}\n",
-      deviation > 0 ? number_text(deviation, "m", units, 6) : "0.1 %",
-      shown_objective(result, units).name, value_text(result, value, units),
-      to_text(parameters, job.optimum.variables, units));
+      deviation > 0 ? number_text(deviation, "m", units, 6) : "0.1 %", shown(result.objective).text,
+      value_text(result, value, units), to_text(parameters, job.optimum.variables, units));
 }
 
 /// A field at the optimum, if it is known: "the_name 1.25 m".
@@ -226,7 +217,7 @@ std::string robustness_text(const OptimumResult& result, const Job& job, UnitSys
       unreleased
           ? fmt::format("no worst value, {} has no release",
                         to_text(*unreleased, job.optimum.variables, units))
-          : fmt::format("worst {:.9g}, expected {}", worst / shown_objective(result, units).factor,
+          : fmt::format("worst {:.9g}, expected {}", worst / objective_unit(result, units).factor,
                         value_text(result, expected, units));
   std::string text = fmt::format("deviation  lengths off by up to {}: {}\n",
                                  number_text(job.optimum.deviation, "m", units, 6), values);
@@ -247,11 +238,12 @@ std::string precision_text(const OptimumResult& result, const Job& job, UnitSyst
     const auto& words = d < length_count ? shorter_or_longer : less_or_more;
     text += fmt::format("{:10} {}: {}", text.empty() ? "1 % lost" : "", space.names[d],
                         allowance_text(result.allowances[d], space.units[d], words, job, units));
-    const double value = shown_objective(result, units).factor;
+    const double value = objective_unit(result, units).factor;
     const double by = shown_unit(space.units[d], units).factor;
     if (!std::isnan(result.gradient(i)))
-      text += fmt::format("; gradient {:+.4g}, curvature {:+.4g}", result.gradient(i) * by / value,
-                          result.hessian(i, i) * by * by / value);
+      text += fmt::format("; gradient {:+.4g}, curvature {:+.4g}",
+                          result.gradient(i) * by / value + 0.0,  // no -0
+                          result.hessian(i, i) * by * by / value + 0.0);
     text += "\n";
   }
   return text + pin_allowance_text(result, job, units);
@@ -259,11 +251,11 @@ std::string precision_text(const OptimumResult& result, const Job& job, UnitSyst
 
 /// A change of the value; "-" where there is no derivative.
 std::string change_text(double change) {
-  return std::isnan(change) ? "-" : fmt::format("{:+.6g}", change);
+  return std::isnan(change) ? "-" : fmt::format("{:+.6g}", change + 0.0);  // no -0
 }
 
 std::string sensitivities_text(const OptimumResult& result, UnitSystem units) {
-  const double of_value = shown_objective(result, units).factor;
+  const double of_value = objective_unit(result, units).factor;
   std::string text = fmt::format("{:34}{:>18}", "change of the value", "lengths kept");
   const bool both = !std::ranges::all_of(
       result.sensitivities, [](const auto& s) { return std::isnan(s.second.of_optimum); });
@@ -314,7 +306,7 @@ std::vector<std::string> warnings(const OptimumResult& result, const Job& job, U
   for (const BuildProblem& problem : problems(result, job)) texts.push_back(problem.text);
   if (result.objective.distance < 0 && !result.is_on_target)
     texts.push_back(fmt::format("the target is not met: {} is {} at best",
-                                shown_objective(result, units).name,
+                                shown(result.objective).text,
                                 value_text(result, result.value, units, 6)));
   return texts;
 }
@@ -324,10 +316,10 @@ std::string to_text(const OptimumResult& result, const Job& given_job, UnitSyste
   const Solver solver = solver_of("vern8", 1e-13, job.solver);
   std::string text =
       fmt::format("scene      {}\nsolver     {}\n", scene_text(job), solver_text(solver));
-  text += fmt::format(
-      "optimum    {}{} {}, error {:.1g}\n", text_of_negative(result.objective) ? "least " : "",
-      shown_objective(result, units).name, value_text(result, result.value, units, 10),
-      shown(result.error, result.objective.unit, units).value);
+  const ShownObjective objective = shown(result.objective);
+  text += fmt::format("optimum    {}{} {}, error {:.1g}\n", objective.sign < 0 ? "least " : "",
+                      objective.text, value_text(result, result.value, units, 10),
+                      shown(result.error, result.objective.unit, units).value);
   text += unsafe_text(result, job, units);
   text +=
       fmt::format("design     {}, released at {:.8g} s\n",

@@ -96,13 +96,16 @@ struct Candidate {
 
 bool are_inside(const DesignProblem& problem, const Parameters& parameters) {
   const DesignSpace& space = problem.space;
-  if ((parameters.array() < space.lower.array()).any() ||
-      (parameters.array() > space.upper.array()).any())
-    return false;
+  for (Index d = 0; d < space.size(); ++d) {
+    const double rounding = feasibility_tolerance * scale_of(space, d);
+    if (parameters(d) < space.lower(d) - rounding || parameters(d) > space.upper(d) + rounding)
+      return false;
+  }
   const MachineFamily machine = at(problem.machine, parameters);
   const Design<double> design = to_design(parameters);
   return std::ranges::all_of(space.limits, [&](const SpaceLimit& limit) {
-    return limit.excess(machine.scene, design) <= 0;
+    return limit.excess(machine.scene, design) <=
+           feasibility_tolerance * problem.machine.scene.fulcrum_height;
   });
 }
 
@@ -209,10 +212,14 @@ std::optional<Parameters> safe_parameters_near(const DesignProblem& problem,
                      deviation, integrated);
   }
   if (!best) return std::nullopt;
-  for (double multiple = 2; multiple > 0.02;) {
+  constexpr double farthest = 80, closest = 0.02, least_gain = 1e-6;
+  constexpr int most = 60;  // rounds
+  double multiple = 2;
+  for (int round = 0; round < most && multiple > closest; ++round) {
+    const double better = best->objective + least_gain * std::abs(best->objective);
     const auto next = best_safe(problem, around(problem, best->parameters, deviation, multiple),
-                                best->objective, deviation, integrated);
-    multiple *= next ? 2 : 0.5;
+                                better, deviation, integrated);
+    multiple = next ? std::min(2 * multiple, farthest) : multiple / 2;
     if (next) best = next;
   }
   return best->parameters;

@@ -58,7 +58,7 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
         starts.increment > 0 ? fmt::format(" with a spacing of {} m", starts.increment) : "",
         field_of(job.optimum.objective)
             ? ""
-            : fmt::format(" and a finite {}", job.optimum.objective.text)));
+            : fmt::format(" and a finite {}", shown(job.optimum.objective).text)));
   return starts;
 }
 

@@ -162,7 +162,7 @@ ProblemOptimum search_parts(const DesignProblem& problem, const NonlinearProgram
     const KktPoint joint = solve_kkt(program_of(parts, integrated), point);
     const bool has_moved = joint.point.x != point.x;
     point = point_of(whole, joint.point.x, whole.functions(joint.point.x).col(0));
-    if (joint.converged && point.violation <= feasibility_tolerance + rounding &&
+    if (joint.converged && is_feasible(point) &&
         std::abs(point.objective - joint.point.objective) <= rounding)
       return combined(parts, joint);
     if (!has_moved) break;

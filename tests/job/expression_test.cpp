@@ -152,9 +152,13 @@ TEST_CASE("An expression that is a field has its meaning; a formula is its own")
 }
 
 TEST_CASE(
-    "Only the negative of a whole expression is one, not a sum that begins and ends like it") {
-  CHECK(text_of_negative(negative(to_expression("(range) + (apex)").value())) ==
-        "(range) + (apex)");
-  CHECK_FALSE(text_of_negative(to_expression("-(range) + (apex)").value()));
-  CHECK_FALSE(text_of_negative(to_expression("-range").value()));
+    "Only the negative of a whole expression is shown as the least, not a sum that looks alike") {
+  const ShownObjective least = shown(negative(to_expression("(range) + (apex)").value()));
+  CHECK(least.text == "(range) + (apex)");
+  CHECK(least.sign == -1);
+  CHECK(least.extreme == "least");
+  for (const std::string text : {"-(range) + (apex)", "-range", "range"}) {
+    CHECK(shown(to_expression(text).value()).text == text);
+    CHECK(shown(to_expression(text).value()).sign == 1);
+  }
 }

@@ -60,8 +60,21 @@ TEST_CASE("At a kink, the weights of the functions that meet add up to one") {
     CHECK(found.converged);
     CHECK((found.point.x - solved.solution).cwiseAbs().maxCoeff() < 1e-9);
     CHECK(found.weights.sum() == Approx(1));
-    CHECK(found.weights.minCoeff() >= 0);
+    CHECK(found.weights.minCoeff() > -1e-9);
   }
+}
+
+TEST_CASE("At a vertex with more constraints than dimensions, the solution is exact and feasible") {
+  const auto program = program_of(
+      [](const VectorXd& x) {
+        return std::vector{2.016 * x(0) + 1.963 * x(1), 1.705 * (x(0) - 0.5), 7.318 * (x(1) - 0.5),
+                           3.989 * (x(0) + x(1) - 1)};
+      },
+      1, 3, {0, 0}, {1, 1});
+  const KktPoint found = solve_kkt(program, at(program, vector({0.48, 0.49})));
+  CHECK(found.converged);
+  CHECK(is_feasible(found.point));
+  CHECK((found.point.x - vector({0.5, 0.5})).norm() < 1e-10);
 }
 
 TEST_CASE("A Lagrangian that is convex across the constraints is maximized along them") {

@@ -18,7 +18,7 @@ class Optimum(CommandTest):
             "sensitivity_of_optimum", "worst", "expected", "maxima", "starts", "starts_at_best", "coarse_increment",
             "designs", "seconds", "converged", "bounds", "job", "unsafe", "values", "units", "version", "pin_angle_loss",
             "pin_angle_limit", "range_with_wind", "variables", "warnings",
-            "constraint_units"}
+            "constraint_units", "sought"}
 
     def optimum(self, *options, job=None, ranks=None):
         """The JSON object that the command prints, without the run time."""
@@ -170,6 +170,7 @@ class Optimum(CommandTest):
         near = self.optimum("--optimum.minimize", "abs(range - 15)")
         self.assertAlmostEqual(near["values"]["range"], 15, places=7)
         self.assertEqual((near["warnings"], near["converged"], near["gradient"]), ([], False, [None] * 3))
+        self.assertIsNotNone(near["pin_angle_loss"])
         farthest = self.optimum("--optimum.objective", "range")
         far = self.optimum("--optimum.minimize", "abs(range - 500)")
         self.assertAlmostEqual(far["value"], farthest["value"] - 500, places=8)

@@ -61,8 +61,14 @@ std::string_view meaning(const Expression& expression);
 /// The expression with the opposite sign.
 Expression negative(const Expression& expression);
 
-/// The text of the expression that one is the negative() of, if it is one.
-std::optional<std::string> text_of_negative(const Expression& expression);
+/// An objective as it is shown: -(X) as the least X, whose values have the opposite sign.
+struct ShownObjective {
+  std::string text;
+  double sign;               ///< by which values are multiplied: 1 or -1
+  std::string_view extreme;  ///< "largest" or "least"
+};
+
+ShownObjective shown(const Expression& objective);
 
 /// The expression with a text: sums, differences, products and quotients of operands, numbers and
 /// abs(), with parentheses. Nothing if it is not one, is_constant, or has more than 1000

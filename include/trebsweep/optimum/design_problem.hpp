@@ -56,13 +56,14 @@ double scale_of(const DesignSpace& space, Eigen::Index parameter);
 /// beyond which its key allows no values, and everything else.
 Domain allowed(const DesignProblem& problem, const Parameters& units);
 
-/// The objective and the expressions of the constraints at parameters, a column for each,
-/// integrated accurately in a machine.
+/// The objective and the expressions of the constraints at parameters, a column for each, in a
+/// machine.
 Eigen::MatrixXd quantities(const DesignProblem& problem, const MachineFamily& machine,
-                           const Eigen::MatrixXd& parameters);
+                           const Eigen::MatrixXd& parameters, Accuracy accuracy = Accuracy::high);
 
-/// The scaled objective and constraints at parameters, a column for each, integrated accurately.
-Eigen::MatrixXd values_at(const DesignProblem& problem, const Eigen::MatrixXd& parameters);
+/// The scaled objective and constraints at parameters, a column for each.
+Eigen::MatrixXd values_at(const DesignProblem& problem, const Eigen::MatrixXd& parameters,
+                          Accuracy accuracy = Accuracy::high);
 
 /// The magnitude of the objective at parameters, scaled as the objective is.
 double magnitude_at(const DesignProblem& problem, const Parameters& parameters);

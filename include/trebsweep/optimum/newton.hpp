@@ -18,7 +18,7 @@ struct KktPoint {
 
 /// Newton's method for the conditions of Karush, Kuhn and Tucker, from a point that violates the
 /// constraints little. (Nocedal and Wright, Numerical Optimization, chapters 16 and 18.) If it does
-/// not converge, the best point on the way is returned.
+/// not converge, the best point on the way is returned, without its multipliers.
 KktPoint solve_kkt(const NonlinearProgram& program, const Point& start);
 
 }  // namespace trebsweep

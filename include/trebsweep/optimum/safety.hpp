@@ -20,8 +20,8 @@ Parameters tolerated(const DesignSpace& space, const Parameters& parameters, dou
 bool are_safe(const DesignProblem& problem, const Parameters& parameters, double deviation,
               std::uint64_t& integrated);
 
-/// Parameters that are_safe() and satisfy the constraints, near others: these themselves or the best
-/// of those around them at the smallest distance at which there are any, improved by a pattern
+/// Parameters that are_safe() and satisfy the constraints, near others: these themselves or the
+/// best of those around them at the smallest distance at which there are any, improved by a pattern
 /// search. Returns nothing if none are found within 80 times what is tolerated().
 std::optional<Parameters> safe_parameters_near(const DesignProblem& problem,
                                                const Parameters& parameters, double deviation,
