@@ -95,6 +95,9 @@ def side_text(x, units):
     return f"{units.length(abs(x))} from the axle, {'counterweight' if x > 0 else 'sling'}'s side"
 
 
+HANGER, HANGER_TEXT = "counterweight-hanger", "hanger r4, to the box's centre of mass"
+
+
 def length_rows(machine, units):
     """(name, value, allowance, note) of all lengths and angles."""
     optimum = machine.optimum
@@ -107,11 +110,11 @@ def length_rows(machine, units):
     for i, (name, value) in enumerate(optimum["variables"].items(), len(rows)):
         unit = optimum["units"][name]
         tell = functools.partial(units.quantity, unit=unit)
-        rows.append((name.replace("-", " "), tell(value),
+        rows.append((HANGER_TEXT if name == HANGER else name.replace("-", " "), tell(value),
                      *allowance(loss[i], limits[i], ("less", "more"), units.small if unit == "m" else tell)))
     rows.append(("whole beam r1 + r2", units.length(machine.r1 + machine.r2), "", ""))
-    if machine.r4 and "counterweight-hanger" not in optimum["variables"]:
-        rows.append(("hanger r4, to the box's centre of mass", units.length(machine.r4), "", ""))
+    if machine.r4 and HANGER not in optimum["variables"]:
+        rows.append((HANGER_TEXT, units.length(machine.r4), "", ""))
     rows.append(("axle above the ground", units.length(machine.h0), "", ""))
     if machine.has_trough:
         rows.append(("trough above the ground", units.length(machine.number("trough-height")), "", ""))
