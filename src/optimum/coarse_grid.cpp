@@ -128,7 +128,7 @@ Grid lattice_grid(const Scene& scene, const LatticeSpec& spec) {
 
 Grid sobol_grid(const Job& job, std::uint64_t designs) {
   // For each design and each scene; where few scenes have designs, more until the first is found.
-  constexpr std::uint64_t tries = 8, first_tries = 1000;
+  constexpr std::uint64_t tries = 8, first_tries = 100;
   const DesignSpace space = design_space(job);
   const auto k = std::ssize(job.optimum.variables), n = k + free_lengths(job);
   const auto values_each = std::pow(static_cast<double>(designs), 1 / static_cast<double>(n));
