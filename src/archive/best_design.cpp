@@ -4,10 +4,11 @@
 
 namespace trebsweep {
 
-bool is_better(const BestDesign& a, const BestDesign& b) {
-  if (!a.exists() || !b.exists()) return a.exists();
+const BestDesign& better(const BestDesign& a, const BestDesign& b) {
+  if (!a.exists() || !b.exists()) return a.exists() ? a : b;
   const auto place = [](const Design<double>& d) { return std::tuple(d.r1, d.r3, d.r2); };
-  return a.value > b.value || (a.value == b.value && place(a.design) < place(b.design));
+  if (a.value == b.value) return place(a.design) < place(b.design) ? a : b;
+  return a.value > b.value ? a : b;
 }
 
 std::optional<std::uint64_t> best_scene(std::span<const BestDesign> of_scenes) {

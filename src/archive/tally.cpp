@@ -25,7 +25,7 @@ void Tally::add(const SwingResult& result, std::uint64_t cell, const Design<doub
   if (!has_speed(result.status) || !std::isfinite(value) || value < best.value) return;
   const BestDesign candidate{
       .value = value, .speed = result.speed, .design = design, .release_time = result.release_time};
-  if (is_better(candidate, best)) best = candidate;
+  best = better(candidate, best);
 }
 
 void Tally::add(const Tally& other) {
@@ -37,7 +37,7 @@ void Tally::add(const Tally& other) {
   lane_steps += other.lane_steps;
   integration_seconds += other.integration_seconds;
   sweep_seconds += other.sweep_seconds;
-  if (is_better(other.best, best)) best = other.best;
+  best = better(other.best, best);
 }
 
 }  // namespace trebsweep

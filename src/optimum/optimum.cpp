@@ -71,8 +71,8 @@ void refuse_empty_space(const Job& job) {
     if (space.lower(d) > space.upper(d) || deviation >= space.upper(d)) refuse_deviation(deviation);
 }
 
-bool is_feasible(const DesignProblem& problem, const Parameters& parameters) {
-  const MatrixXd values = values_at(problem, parameters);
+/// Whether the values of a design problem, of one design, exist and satisfy its constraints.
+bool are_feasible(const MatrixXd& values) {
   return values.allFinite() &&
          (values.bottomRows(values.rows() - 1).array() <= feasibility_tolerance).all();
 }
@@ -90,39 +90,54 @@ ProblemOptimum take_best(const DesignProblem& problem, const Search& search,
   return optimum;
 }
 
+/// Those of some starts that are feasible and better than a value.
+std::vector<Parameters> better_starts(const DesignProblem& problem,
+                                      const std::vector<Parameters>& starts, double value,
+                                      std::uint64_t& integrated) {
+  std::vector<Parameters> better;
+  for (const Parameters& start : starts) {
+    const MatrixXd values = values_at(problem, start);
+    if (are_feasible(values) && values(0) * problem.scales.front() > value) better.push_back(start);
+  }
+  integrated += starts.size();
+  return better;
+}
+
 /// Replaces the optimum by the best safe design, if it is not safe itself: one of the other local
-/// maxima, or the best safe design near one, or near a start that is better. Throws NoOptimum if
+/// maxima, or the best safe design near a better one, or near a better start. Throws NoOptimum if
 /// none is found. Collective.
 void take_safe(const Job& job, const DesignProblem& problem, const std::vector<Parameters>& starts,
                ProgressStyle style, MPI_Comm comm, OptimumResult& result) {
   constexpr std::size_t most = 12;  // maxima to search around
   const double deviation = job.optimum.deviation;
-  if (is_feasible(problem, result.parameters) &&
-      are_safe(problem, result.parameters, deviation, result.designs))
-    return;
+  const auto is_safe = [&](const LocalMaximum& m) {
+    return are_feasible(values_at(problem, m.parameters)) &&
+           are_safe(problem, m.parameters, deviation, result.designs);
+  };
+  if (is_safe(result.maxima.front())) return;
   result.unsafe = {result.parameters, result.value};
+  std::optional<LocalMaximum> best;
+  for (const LocalMaximum& m : result.maxima)
+    if (!best && m.converged && is_safe(m)) best = m;
   const auto search_safe = [&](const Parameters& start, std::uint64_t& integrated) {
     const auto safe = safe_parameters_near(problem, start, deviation, integrated);
     if (!safe) return ProblemOptimum{{VectorXd::Zero(0), 0, HUGE_VAL}, false, {}};
     const double value = values_at(problem, *safe)(0, 0);
     return ProblemOptimum{{to_scaled(problem, *safe), value, 0}, false, {}};
   };
-  std::optional<LocalMaximum> best;
+  const auto value_of_best = [&] { return best ? best->value : -HUGE_VAL; };
   const auto search_all = [&](const std::vector<Parameters>& from) {
     const auto found = find_maxima(from, search_safe, style, comm, result.designs);
     if (found.empty()) return;
     const LocalMaximum first = distinct({found.front()}, problem).front();
-    if (!best || first.value > best->value) best = first;
+    if (first.value > value_of_best()) best = first;
   };
-  std::vector<Parameters> maxima, better_starts;
+  std::vector<Parameters> better_maxima;
   for (const LocalMaximum& m : result.maxima)
-    if (maxima.size() < most) maxima.push_back(m.parameters);
-  search_all(maxima);
-  for (const Parameters& start : starts)
-    if (is_feasible(problem, start) &&
-        (!best || values_at(problem, start)(0, 0) * problem.scales.front() > best->value))
-      better_starts.push_back(start);
-  search_all(better_starts);
+    if (m.value > value_of_best() && better_maxima.size() < most)
+      better_maxima.push_back(m.parameters);
+  search_all(better_maxima);
+  search_all(better_starts(problem, starts, value_of_best(), result.designs));
   if (!best)
     throw NoOptimum(fmt::format(
         "the {} or a constraint jumps next to every good design found, such as {}: "
@@ -172,7 +187,7 @@ DesignProblem find_local_maxima(const Job& given_job, const Job& job, const Desi
   std::vector<Found> found = search_all();
   if (!is_full && !found.empty() &&
       (job.optimum.robust != Robust::no ||
-       !is_feasible(full, distinct(found, problem).front().parameters))) {
+       !are_feasible(values_at(full, distinct(found, problem).front().parameters)))) {
     problem = full;
     found = search_all();
   }

@@ -25,8 +25,8 @@ RankResults::RankResults(const std::filesystem::path& folder, std::size_t run, d
       earlier_ = read_records(share, study, tiling);
     });
     for (const Record& record : earlier_.records) owners[record.number] = rank;
-    const auto lower = [](std::uint32_t a, std::uint32_t b) { return std::min(a, b); };
-    mpi::combine(std::span(owners), lower, comm);
+    constexpr auto lower = [](std::uint32_t a, std::uint32_t b) { return std::min(a, b); };
+    mpi::combine<lower>(std::span(owners), comm);
     std::erase_if(earlier_.records, [&](const Record& r) { return owners[r.number] != rank; });
     for (const Record& record : earlier_.records) totals_.add(record, tiling);
   }
@@ -47,17 +47,13 @@ void RankResults::add(std::uint64_t number, std::vector<std::byte> results) {
 }
 
 void RankResults::combine_tiles(MPI_Comm comm) {
-  const auto sum = [](Tally a, const Tally& b) { return a.add(b), a; };
-  mpi::combine(std::span(&totals_.tally, 1), sum, comm);
-  const auto better = [](const BestDesign& a, const BestDesign& b) {
-    return is_better(a, b) ? a : b;
-  };
-  mpi::combine(std::span(totals_.best), better, comm);
+  constexpr auto sum = [](Tally a, const Tally& b) { return a.add(b), a; };
+  mpi::combine<sum>(std::span(&totals_.tally, 1), comm);
+  mpi::combine<better>(std::span(totals_.best), comm);
 }
 
 void RankResults::combine_optima(MPI_Comm comm) {
-  const auto known = [](const BestDesign& a, const BestDesign& b) { return a.exists() ? a : b; };
-  mpi::combine(std::span(totals_.optima), known, comm);
+  mpi::combine<better>(std::span(totals_.optima), comm);
 }
 
 std::vector<Record> RankResults::tiles() {

@@ -48,7 +48,7 @@ void Totals::add(const Record& record, const Tiling& tiling) {
   const Tally of_tile = tally_of(record);
   tally.add(of_tile);
   BestDesign& of_scene = best[tiling.tile(record.number).scene];
-  if (is_better(of_tile.best, of_scene)) of_scene = of_tile.best;
+  of_scene = better(of_tile.best, of_scene);
 }
 
 Summary Totals::summary() const {

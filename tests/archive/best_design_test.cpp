@@ -1,5 +1,6 @@
 #include "trebsweep/archive/best_design.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -18,22 +19,23 @@ BestDesign design_of(double value, const Design<double>& design = {1, 1, 1}) {
 }  // namespace
 
 TEST_CASE("The better design has the larger value, and of equal ones is the first in the lattice") {
-  CHECK(is_better(design_of(-2), design_of(-3)));
-  CHECK_FALSE(is_better(design_of(-3), design_of(-2)));
+  CHECK(better(design_of(-2), design_of(-3)).value == -2);
+  CHECK(better(design_of(-3), design_of(-2)).value == -2);
   const std::vector<Design<double>> in_order{{.r1 = 1, .r3 = 2, .r2 = 9},
                                              {.r1 = 1, .r3 = 3, .r2 = 7},
                                              {.r1 = 1, .r3 = 3, .r2 = 8},
                                              {.r1 = 2, .r3 = 1, .r2 = 1}};
   for (std::size_t i = 0; i < in_order.size(); ++i)
     for (std::size_t j = 0; j < in_order.size(); ++j)
-      CHECK(is_better(design_of(5, in_order[i]), design_of(5, in_order[j])) == (i < j));
+      CHECK(better(design_of(5, in_order[i]), design_of(5, in_order[j])).design ==
+            in_order[std::min(i, j)]);
 }
 
 TEST_CASE("A design is better than none") {
   CHECK_FALSE(BestDesign{}.exists());
-  CHECK(is_better(design_of(-1e300), {}));
-  CHECK_FALSE(is_better({}, design_of(-1e300)));
-  CHECK_FALSE(is_better({}, {}));
+  CHECK(better(design_of(-1e300), {}).value == -1e300);
+  CHECK(better({}, design_of(-1e300)).value == -1e300);
+  CHECK_FALSE(better({}, {}).exists());
 }
 
 TEST_CASE("The best scene is the first with the largest value, wherever its design lies") {

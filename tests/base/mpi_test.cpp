@@ -23,9 +23,9 @@ TEST_CASE("Reductions combine the values of all ranks") {
   mpi::sum(values, MPI_COMM_WORLD);
   CHECK(values[0] == static_cast<std::uint64_t>(size));
   CHECK(values[1] == static_cast<std::uint64_t>(size * (size - 1) / 2));
-  const auto xor_of = [](std::uint64_t a, std::uint64_t b) { return a ^ b; };
+  constexpr auto xor_of = [](std::uint64_t a, std::uint64_t b) { return a ^ b; };
   std::vector<std::uint64_t> bits{std::uint64_t{1} << rank, 1};
-  mpi::combine(std::span(bits), xor_of, MPI_COMM_WORLD);
+  mpi::combine<xor_of>(std::span(bits), MPI_COMM_WORLD);
   CHECK(bits[0] == (std::uint64_t{1} << size) - 1);
   CHECK(bits[1] == static_cast<std::uint64_t>(size % 2));
 }

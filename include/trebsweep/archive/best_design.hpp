@@ -29,8 +29,8 @@ struct BestDesign {
   bool exists() const { return !std::isnan(value); }
 };
 
-/// Whether `a` is better than `b`. If both are equally good, the first in the lattice is better.
-bool is_better(const BestDesign& a, const BestDesign& b);
+/// The better of two; if both are equally good, the first in the lattice.
+const BestDesign& better(const BestDesign& a, const BestDesign& b);
 
 /// The number of the scene with the best design, the first of equal ones; nothing if none has one.
 std::optional<std::uint64_t> best_scene(std::span<const BestDesign> of_scenes);

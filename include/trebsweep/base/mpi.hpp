@@ -51,15 +51,15 @@ void merge(std::span<Value> values, MPI_Comm comm) {
                 MPI_BOR, comm);
 }
 
-/// Element-wise combine(a, b) of the arrays of all ranks, on all ranks. `Combine` is commutative
-/// and has no state. Collective.
-template <class Value, class Combine>
-void combine(std::span<Value> values, Combine, MPI_Comm comm) {
+/// Element-wise operation(a, b) of the arrays of all ranks, on all ranks; it is commutative.
+/// Collective.
+template <auto operation, class Value>
+void combine(std::span<Value> values, MPI_Comm comm) {
   static_assert(std::is_trivially_copyable_v<Value>);
   const auto combine_all = [](void* in, void* in_out, int* count, MPI_Datatype*) {
     for (int i = 0; i < *count; ++i) {
       auto& value = static_cast<Value*>(in_out)[i];
-      value = Combine{}(static_cast<const Value*>(in)[i], value);
+      value = operation(static_cast<const Value*>(in)[i], value);
     }
   };
   MPI_Datatype type;
