@@ -26,8 +26,7 @@ std::uintmax_t size_limit() {
 std::string shortage_text(std::uintmax_t bytes, const std::string& why) {
   return fmt::format(
       "needs at least {} ({} bytes), {}; set output.maps = none, output.storage = float32, fewer "
-      "output.fields, an output.compression or a larger lattice.increment, or name another "
-      "directory",
+      "output.fields, an output.compression or a larger lattice.increment",
       size_text(bytes), bytes, why);
 }
 
@@ -41,17 +40,16 @@ std::string size_text(std::uintmax_t bytes) {
 
 void require_space(const Job& job, const fs::path& path, std::uintmax_t bytes, std::uintmax_t all) {
   if (const auto limit = size_limit(); bytes > limit)
-    throw std::runtime_error(fmt::format(
-        "{} {}", path.string(),
-        shortage_text(bytes,
-                      fmt::format("but the file size limit (ulimit -f) is {}", size_text(limit)))));
+    refuse_output(job, shortage_text(bytes, fmt::format("but the file size limit (ulimit -f) is {}",
+                                                        size_text(limit))));
   const fs::path directory = directory_of(path);
   std::error_code error;
   const auto space = fs::space(directory, error);
   if (!error && all > space.available)
     refuse_output(job, shortage_text(all, fmt::format("but only {} ({} bytes) are available in {}",
                                                       size_text(space.available), space.available,
-                                                      directory.string())));
+                                                      directory.string())) +
+                           ", or name another directory");
 }
 
 std::string reached_limit(const fs::path& path) {

@@ -257,12 +257,11 @@ void verify_archive(const fs::path& given, ProgressStyle style, std::FILE* out) 
     throw InputError(
         fmt::format("{}: an unfinished sweep; it is verified when it is continued", path.string()));
   if (!read_or_explain(path, [&] { return read_header(path); }).is_sweep())
-    throw std::runtime_error(
-        fmt::format("{}: an assessment, which has no checksums", path.string()));
+    throw InputError(fmt::format("{}: an assessment, which has no checksums", path.string()));
   const auto contents = read_or_explain(path, [&] { return read_contents(path); });
   if (!contents.summary.complete)
-    throw std::runtime_error(fmt::format("{}: {}; only complete archives are verified",
-                                         path.string(), progress_text(contents)));
+    throw InputError(fmt::format("{}: {}; only complete archives are verified", path.string(),
+                                 progress_text(contents)));
   const auto damage = find_damage(path, contents, style);
 
   fmt::print(out, "archive   {}, {}\n", path.string(), progress_text(contents));

@@ -11,6 +11,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 constexpr double default_deviation = 1e-3;  // relative
 constexpr double jump = 1e-3;               // relative to the value, or a constraint's scale
@@ -53,39 +54,58 @@ bool differ(Index function, double a, double b, double magnitude) {
   return function == 0 ? !(std::abs(a - b) <= jump * magnitude) : !(b - a <= jump);
 }
 
-/// A part of a line on which a function changes by more than a jump.
-struct Segment {
+/// A direction in which a function changes by more than a jump.
+struct Change {
   Index function;
   Parameters towards;
-  double low, high;  // fractions
-  double at_low, at_high;
+  double here, there;  // values at the start and the end
 };
 
-/// Whether bisection ends at a jump, rather than at a steep slope, on any of the segments.
-bool any_jumps(const DesignProblem& problem, const Parameters& parameters, double magnitude,
-               std::vector<Segment> segments, std::uint64_t& integrated) {
-  constexpr int rounds = 30;
-  for (int round = 0; round < rounds && !segments.empty(); ++round) {
-    MatrixXd middles(parameters.size(), std::ssize(segments));
-    for (Index i = 0; const Segment& s : segments)
-      middles.col(i++) = parameters + (s.low + s.high) / 2 * s.towards;
-    const MatrixXd values = counted_values(problem, middles, integrated);
-    for (std::size_t i = 0; i < segments.size(); ++i) {
-      Segment& s = segments[i];
-      const double middle = (s.low + s.high) / 2;
-      const double value = values(s.function, static_cast<Index>(i));
-      // A missing value is beyond any difference.
-      const bool below =
-          std::isnan(value) ||
-          (!std::isnan(s.at_high) && std::abs(value - s.at_low) > std::abs(s.at_high - value));
-      (below ? s.high : s.low) = middle;
-      (below ? s.at_high : s.at_low) = value;
-    }
-    std::erase_if(segments, [&](const Segment& s) {
-      return !differ(s.function, s.at_low, s.at_high, magnitude);
-    });
+/// The number of the value along a line after which a function changes most; a missing value is
+/// beyond any difference.
+Index largest_change(Index function, const VectorXd& values) {
+  VectorXd changes = values.tail(values.size() - 1) - values.head(values.size() - 1);
+  if (function == 0) changes = changes.cwiseAbs();
+  Index largest = 0;
+  changes.unaryExpr([](double c) { return std::isnan(c) ? HUGE_VAL : c; }).maxCoeff(&largest);
+  return largest;
+}
+
+/// Whether a function jumps, rather than having a steep slope: whether it still changes by more
+/// than a jump in the last of intervals that are nested where it changes most.
+bool jumps(const DesignProblem& problem, const Parameters& parameters, double magnitude,
+           const Change& change, std::uint64_t& integrated) {
+  constexpr int rounds = 10;
+  constexpr Index parts = 8;  // fill the lanes
+  double low = 0, width = 1;
+  VectorXd values(parts + 1);
+  values << change.here, VectorXd::Zero(parts - 1), change.there;
+  for (int round = 0; round < rounds; ++round) {
+    width /= parts;
+    MatrixXd between(parameters.size(), parts - 1);
+    for (Index k = 1; k < parts; ++k)
+      between.col(k - 1) = parameters + (low + static_cast<double>(k) * width) * change.towards;
+    values.segment(1, parts - 1) =
+        counted_values(problem, between, integrated).row(change.function);
+    const Index largest = largest_change(change.function, values);
+    const double before = values(largest), after = values(largest + 1);
+    if (!differ(change.function, before, after, magnitude)) return false;
+    low += static_cast<double>(largest) * width;
+    values(0) = before;
+    values(parts) = after;
   }
-  return !segments.empty();
+  return true;
+}
+
+/// Sets to zero by how much a variable is off where its key does not allow it, such as a height
+/// below zero; a column per design.
+void keep_allowed(const std::vector<Variable>& variables, const Parameters& parameters,
+                  MatrixXd& off) {
+  for (Index i = length_count; const Variable& variable : variables) {
+    for (double& by : off.row(i))
+      if (!allows(variable, parameters(i) + by)) by = 0;
+    ++i;
+  }
 }
 
 /// Parameters that satisfy the constraints, with their objective.
@@ -145,14 +165,21 @@ std::optional<Candidate> best_safe(const DesignProblem& problem, const MatrixXd&
 /// stay.
 MatrixXd around(const DesignProblem& problem, const Parameters& parameters, double deviation,
                 double multiple) {
-  const bool has_variables = parameters.size() > length_count;
+  const Index variables = parameters.size() - length_count;
+  const bool has_variables = variables > 0;
   Parameters reach = Parameters::Zero(parameters.size());
   reach(problem.free) = multiple * tolerated(problem.space, parameters, deviation)(problem.free);
   const MatrixXd far = reach.asDiagonal() * directions(parameters.size());
-  constexpr Index within = 96;  // the sides of the variables are few
+  constexpr Index within = 96;   // the sides of the variables are few
+  constexpr Index of_scene = 8;  // designs, which fill the lanes
   MatrixXd by(parameters.size(), far.cols() + (has_variables ? within : 0));
   by.leftCols(far.cols()) = far;
-  if (has_variables) by.rightCols(within) = SobolSequence(-reach, reach).next(within);
+  if (has_variables) {
+    MatrixXd points = SobolSequence(-reach, reach).next(within);
+    for (Index i = 0; i < within; ++i)
+      points.col(i).tail(variables) = points.col(i - i % of_scene).tail(variables);
+    by.rightCols(within) = points;
+  }
   std::vector<Index> distinct;
   for (Index i = 0; i < by.cols(); ++i) {
     const auto is_same = [&](Index j) { return by.col(i) == by.col(j); };
@@ -176,30 +203,27 @@ bool are_safe(const DesignProblem& problem, const Parameters& parameters, double
   const Parameters half = default_deviation / 2 * sizes(problem.space, parameters);
   const MatrixXd sides = half.asDiagonal() * MatrixXd::Identity(n, n);
   const MatrixXd far = tolerated(problem.space, parameters, deviation).asDiagonal() * directions(n);
-  MatrixXd by(n, 1 + 2 * n + 2 * far.cols());
-  by << Parameters::Zero(n), -sides, sides, 0.5 * far, far;
-  // A variable cannot be off by what its key does not allow, such as a height below zero.
-  for (Index i = length_count; const Variable& variable : problem.machine.variables) {
-    for (double& off : by.row(i))
-      if (!allows(variable, parameters(i) + off)) off = 0;
-    ++i;
-  }
-  const MatrixXd values = counted_values(problem, by.colwise() + parameters, integrated);
-  const double magnitude = magnitude_at(problem, parameters);
+  MatrixXd near(n, 1 + 2 * n), away(n, 2 * far.cols());
+  near << Parameters::Zero(n), -sides, sides;
+  away << 0.5 * far, far;
+  keep_allowed(problem.machine.variables, parameters, near);
+  keep_allowed(problem.machine.variables, parameters, away);
 
   constexpr double largest_loss = 0.02;
-  const Index steep = 1 + 2 * n;
-  if (!(values.row(0).head(steep).minCoeff<Eigen::PropagateNaN>() >
-        values(0, 0) - largest_loss * magnitude))
+  const double magnitude = magnitude_at(problem, parameters);
+  const MatrixXd values = counted_values(problem, near.colwise() + parameters, integrated);
+  if (!(values.row(0).minCoeff<Eigen::PropagateNaN>() > values(0, 0) - largest_loss * magnitude))
     return false;
-  std::vector<Segment> segments;
-  for (Index i = steep; i < values.cols(); ++i)
-    for (Index f = 0; f < values.rows(); ++f) {
-      const double here = values(f, 0), there = values(f, i);
-      if (std::isnan(there)) return false;
-      if (differ(f, here, there, magnitude)) segments.push_back({f, by.col(i), 0, 1, here, there});
+  const MatrixXd others = counted_values(problem, away.colwise() + parameters, integrated);
+  if (others.hasNaN()) return false;
+  for (Index i = 0; i < others.cols(); ++i)
+    for (Index f = 0; f < others.rows(); ++f) {
+      const Change change{f, away.col(i), values(f, 0), others(f, i)};
+      if (differ(f, change.here, change.there, magnitude) &&
+          jumps(problem, parameters, magnitude, change, integrated))
+        return false;
     }
-  return !any_jumps(problem, parameters, magnitude, segments, integrated);
+  return true;
 }
 
 std::optional<Parameters> safe_parameters_near(const DesignProblem& problem,

@@ -437,7 +437,7 @@ class Partials(ResumeTest):
         self.assert_reported_once(self.run_sweep(2, codes=(2,)), "output.file = job.h5", "a snapshot of this job", "--overwrite")
         self.assertEqual(self.read("job.h5"), before)
         self.assertRegex(self.info("job.h5"), r"job\.h5, a snapshot of an unfinished sweep, \d+\.\d % of the tiles done")
-        self.assertIn("only complete archives are verified", self.run_program("info", "job.h5", "--verify", code=1).stderr)
+        self.assertIn("only complete archives are verified", self.run_program("info", "job.h5", "--verify", code=2).stderr)
         self.run_sweep(2, "--overwrite")
         self.assert_complete()
 
@@ -585,7 +585,7 @@ class Faults(ResumeTest):
         self.assert_complete(COMPRESSED)
 
     def test_a_file_size_limit_below_the_known_size_is_reported_at_once(self):
-        errors = self.run_sweep(0, codes=(1,), launcher=self.limited(2, 14000))
+        errors = self.run_sweep(0, codes=(2,), launcher=self.limited(2, 14000))
         self.assert_reported_once(errors, "needs at least 15.97 MB", "ulimit -f", "14.34 MB", "output.storage = float32")
         self.assertEqual(self.leftovers(), [])
 
