@@ -136,7 +136,7 @@ TEST_CASE("Axes, maps and optima of a study are described, an archive of one sce
   CHECK(H5Lexists(other, "best_value", H5P_DEFAULT) == 0);
 }
 
-TEST_CASE("Tiles that were not written hold fill values and no designs") {
+TEST_CASE("Tiles that were not written hold fill values and no designs", "[alone]") {
   for (const SmallStudy& small : small_studies_in_all_formats()) {
     const TemporaryFile file("archive_some_tiles");
     if (mpi::rank(MPI_COMM_WORLD) != 0) continue;
@@ -170,7 +170,7 @@ TEST_CASE("Chunks entirely outside the lattice are never allocated") {
   }
 }
 
-TEST_CASE("The results of a tile are the same after they were stored as bytes") {
+TEST_CASE("The results of a tile are the same after they were stored as bytes", "[alone]") {
   const SmallStudy small;
   const Output& output = small.study.job().output;
   const Tile tile = small.tiling.tile(2);
@@ -187,7 +187,7 @@ TEST_CASE("The results of a tile are the same after they were stored as bytes") 
   CHECK(bytes.back() == std::byte{static_cast<unsigned char>(values[1].back())});
 }
 
-TEST_CASE("Values are rounded to float32, and those beyond its range are infinite") {
+TEST_CASE("Values are rounded to float32, and those beyond its range are infinite", "[alone]") {
   Output output;
   output.fields = {Field::speed};
   output.storage = Storage::float32;
@@ -205,7 +205,7 @@ TEST_CASE("Values are rounded to float32, and those beyond its range are infinit
   CHECK(stored[5] == 1);
 }
 
-TEST_CASE("The sizes of journals and archive are known before they are written") {
+TEST_CASE("The sizes of journals and archive are known before they are written", "[alone]") {
   const SmallStudy small;
   std::uintmax_t records = record_header_bytes + sizeof(BestDesign);  // of the scene
   for (std::uint64_t t = 0; t < small.tiling.size(); ++t)

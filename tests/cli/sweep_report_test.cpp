@@ -100,11 +100,6 @@ TEST_CASE("The optimum's objective is printed with its unit, and so are the cons
                       "least-sling-tension >= 0\n"));
 }
 
-TEST_CASE("The text gives the optimal design with all its digits") {
-  CHECK_THAT(to_text(with_optimum(best_design({0.512345678, 0.58, 0.91}, 16.5)), Job{}),
-             contains("r1 = 0.512345678, r2 = 0.91, r3 = 0.58 m"));
-}
-
 TEST_CASE("The refined optimum has its error and takes the place of the lattice's when complete") {
   Job job;
   job.optimum.refine = true;

@@ -85,7 +85,8 @@ Check check_of(const Design<double>& design, double speed, double efficiency) {
 
 }  // namespace
 
-TEST_CASE("The warning for the paper's optimum names both edges of the lattice that it lies on") {
+TEST_CASE("The warning for the paper's optimum names both edges of the lattice that it lies on",
+          "[alone]") {
   const auto lines = warnings_of(coarse_job());
   REQUIRE(lines.size() == 1);
   CHECK(lines[0] ==
@@ -94,7 +95,7 @@ TEST_CASE("The warning for the paper's optimum names both edges of the lattice t
         "r2 = 0.9 m, the largest allowed by r2 < h0 - r3 (49)");
 }
 
-TEST_CASE("An axis with a single value has no edge to warn of") {
+TEST_CASE("An axis with a single value has no edge to warn of", "[alone]") {
   Job job = coarse_job();
   job.lattice.r1 = AxisRange{0.51, 0.51, 1};
   job.lattice.r3 = AxisRange{0.58, 0.58, 1};
@@ -102,7 +103,8 @@ TEST_CASE("An axis with a single value has no edge to warn of") {
   CHECK(count(warnings_of(job), "edge") == 0);
 }
 
-TEST_CASE("A slack sling at the optimum is reported once, and not again of its neighbours") {
+TEST_CASE("A slack sling at the optimum is reported once, and not again of its neighbours",
+          "[alone]") {
   Job job = coarse_job();
   job.scene.sling_angle = 1.5;
   job.lattice.r1 = AxisRange{0.6, 0.6, 1};
@@ -111,33 +113,33 @@ TEST_CASE("A slack sling at the optimum is reported once, and not again of its n
   CHECK(count(lines, "the optimum cannot be built: the sling goes slack") == 1);
 }
 
-TEST_CASE("A lattice without a release has no warnings") {
+TEST_CASE("A lattice without a release has no warnings", "[alone]") {
   Job job = coarse_job();
   job.scene.pivot_friction = 1e9;
   CHECK(warnings_of(job).empty());
 }
 
-TEST_CASE("A time step of 0.2 s is reported to change statuses") {
+TEST_CASE("A time step of 0.2 s is reported to change statuses", "[alone]") {
   Job job = coarse_job();
   job.solver = paper_solver();
   job.solver.time_step = 0.2;
   CHECK(count(warnings_of(job), "a different status when integrated accurately") == 1);
 }
 
-TEST_CASE("A time step that is too long for accurate speeds is reported") {
+TEST_CASE("A time step that is too long for accurate speeds is reported", "[alone]") {
   Job job = coarse_job();
   job.solver.stepper = "euler";
   job.solver.time_step = 0.05;
   CHECK(count(warnings_of(job), "the fixed step is long") == 1);
 }
 
-TEST_CASE("Designs released at the start are not reported to create energy") {
+TEST_CASE("Designs released at the start are not reported to create energy", "[alone]") {
   Job job = coarse_job();
   job.scene.release_height = 1.2;  // r1 = 0.3 starts at phi1 = pi
   CHECK(count(warnings_of(job), "efficiency") == 0);
 }
 
-TEST_CASE("A tolerance that is too loose for accurate speeds is reported") {
+TEST_CASE("A tolerance that is too loose for accurate speeds is reported", "[alone]") {
   Job job = coarse_job();
   job.scene.sling_stiffness = 1e7;
   job.scene.sling_damping = 1e4;
@@ -146,7 +148,8 @@ TEST_CASE("A tolerance that is too loose for accurate speeds is reported") {
   CHECK(count(warnings_of(job), "the tolerance is loose") == 1);
 }
 
-TEST_CASE("The warning about an edge gives the bound of r1 with a hanger or a start angle") {
+TEST_CASE("The warning about an edge gives the bound of r1 with a hanger or a start angle",
+          "[alone]") {
   const auto edge_of = [](const Job& job, std::size_t i1) {
     const Lattice lattice(job.scene, job.lattice);
     const auto lines = warnings_of(job, optimum_at(lattice.design({i1, 5, 1})));
@@ -161,7 +164,7 @@ TEST_CASE("The warning about an edge gives the bound of r1 with a hanger or a st
   CHECK(edge_of(job, 5) == "");
 }
 
-TEST_CASE("Without checks only the edges of the lattice are reported") {
+TEST_CASE("Without checks only the edges of the lattice are reported", "[alone]") {
   Job job = coarse_job();
   job.solver = paper_solver();
   job.solver.time_step = 0.2;
@@ -170,7 +173,8 @@ TEST_CASE("Without checks only the edges of the lattice are reported") {
   CHECK(warnings_of(job, optimum_at(lattice.design({0, 0, 0}))).size() == 1);
 }
 
-TEST_CASE("Errors and efficiencies are judged by the largest speed, not that of the optimum") {
+TEST_CASE("Errors and efficiencies are judged by the largest speed, not that of the optimum",
+          "[alone]") {
   const Job job = coarse_job();
   const Lattice lattice(job.scene, job.lattice);
   const Design<double> design = lattice.design({4, 5, 1});
@@ -184,7 +188,7 @@ TEST_CASE("Errors and efficiencies are judged by the largest speed, not that of 
   CHECK(count(warnings_of(job, BestDesign{}, {slow}, large), "efficiency above 1") == 1);
 }
 
-TEST_CASE("Slack slings are reported of designs close to the optimum in its objective") {
+TEST_CASE("Slack slings are reported of designs close to the optimum in its objective", "[alone]") {
   Job job = coarse_job();
   job.optimum.objective = to_expression(Field::sling_angle);
   const Lattice lattice(job.scene, job.lattice);
@@ -204,7 +208,8 @@ TEST_CASE("Slack slings are reported of designs close to the optimum in its obje
   CHECK(report(no_value).empty());  // it violates a constraint
 }
 
-TEST_CASE("An optimum that cannot be built is reported first, with each body and amount") {
+TEST_CASE("An optimum that cannot be built is reported first, with each body and amount",
+          "[alone]") {
   Job job = coarse_job();
   job.lattice.r1 = AxisRange{0.6, 1, 0.1};
   const auto with = [&](const BuildValues& build) {
@@ -221,7 +226,7 @@ TEST_CASE("An optimum that cannot be built is reported first, with each body and
   CHECK(with({no_value, no_value, no_value, no_value, no_value}).size() == 1);
 }
 
-TEST_CASE("A refined optimum lies on the edge only where it reaches what the job sets") {
+TEST_CASE("A refined optimum lies on the edge only where it reaches what the job sets", "[alone]") {
   Job job = coarse_job();
   job.optimum.refine = true;
   job.lattice.r1 = AxisRange{0.55, 0.85, 0.1};
@@ -254,7 +259,8 @@ Job three_projectiles() {
 
 }  // namespace
 
-TEST_CASE("The warnings of a study name the scene, and count those on the edge of the lattice") {
+TEST_CASE("The warnings of a study name the scene, and count those on the edge of the lattice",
+          "[alone]") {
   const Job job = three_projectiles();
   const Study study(job);
   const auto best_at = [&](const Index3& index, double value) {
@@ -275,7 +281,8 @@ TEST_CASE("The warnings of a study name the scene, and count those on the edge o
         "smallest r3 in 1");
 }
 
-TEST_CASE("A study counts the scenes whose optimum cannot be built, in one line with an example") {
+TEST_CASE("A study counts the scenes whose optimum cannot be built, in one line with an example",
+          "[alone]") {
   const Job job = three_projectiles();
   const Study study(job);
   const Design<double> design = study.lattice(0).design({4, 5, 1});
@@ -299,7 +306,8 @@ TEST_CASE("A study counts the scenes whose optimum cannot be built, in one line 
   CHECK(warnings(study, result).empty());
 }
 
-TEST_CASE("A study counts the scenes whose refined optimum reaches the range that the job gives") {
+TEST_CASE("A study counts the scenes whose refined optimum reaches the range that the job gives",
+          "[alone]") {
   Job job = three_projectiles();
   job.optimum.refine = true;
   job.lattice.r1 = AxisRange{0.6, 0.8, 0.1};

@@ -250,11 +250,6 @@ refine = yes
   CHECK(job_of(text, {{"optimum.subject-to", " "}}).optimum.constraints.empty());
 }
 
-TEST_CASE("Spaces around a number and a leading + are allowed") {
-  CHECK(job_of("", {{"scene.gravity", " +9.5 "}}).scene.gravity == 9.5);
-  CHECK_THROWS_AS(job_of("", {{"scene.gravity", "+-9.5"}}), InputError);
-}
-
 TEST_CASE("jobs/paper.cfg and jobs/assess.cfg show every key") {
   const std::string text =
       read_job_file(SOURCE_DIR "/jobs/paper.cfg") + read_job_file(SOURCE_DIR "/jobs/assess.cfg");

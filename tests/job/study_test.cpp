@@ -3,23 +3,9 @@
 #include "support/catch.hpp"
 #include "support/six_scenes.hpp"
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/job/sample.hpp"
 
 using namespace trebsweep;
-
-namespace {
-
-/// The designs of a lattice, r2 fastest.
-std::vector<Design<double>> designs(const Lattice& lattice) {
-  std::vector<Design<double>> all;
-  const Index3 n = lattice.extent();
-  for (std::size_t a = 0; a < n[0]; ++a)
-    for (std::size_t b = 0; b < n[1]; ++b)
-      for (std::size_t c = 0; c < n[2]; ++c)
-        if (lattice.holds({a, b, c})) all.push_back(lattice.design({a, b, c}));
-  return all;
-}
-
-}  // namespace
 
 TEST_CASE("Scenes are the product of the outer axes, the last one fastest") {
   const Job job = job_of_six_scenes();
@@ -78,7 +64,7 @@ TEST_CASE("In the common box each scene has the designs of its own lattice, in t
     const Lattice own(scene_at(job, scene), job.lattice);
     CHECK(study.lattice(scene).axes() == study.axes());
     CHECK(study.lattice(scene).designs() == own.designs());
-    CHECK(designs(study.lattice(scene)) == designs(own));  // bit for bit
+    CHECK(all_designs(study.lattice(scene)) == all_designs(own));  // bit for bit
     sum += own.designs();
   }
   CHECK(study.designs() == sum);
@@ -97,7 +83,8 @@ TEST_CASE("The box holds r1 of all scenes once, also where their steps do not co
   CHECK(r1[1] == 0.57);
   CHECK(r1[2] == 0.6);
   for (std::uint64_t scene = 0; scene < 2; ++scene)
-    CHECK(designs(study.lattice(scene)) == designs(Lattice(scene_at(job, scene), job.lattice)));
+    CHECK(all_designs(study.lattice(scene)) ==
+          all_designs(Lattice(scene_at(job, scene), job.lattice)));
 }
 
 TEST_CASE("The lattices in a common box share its axes, so that thousands of them fit in memory") {

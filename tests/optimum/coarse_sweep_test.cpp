@@ -56,7 +56,7 @@ CoarseSweep sweep_of(const Job& job, MPI_Comm comm = MPI_COMM_WORLD) {
 
 }  // namespace
 
-TEST_CASE("A coarse lattice keeps the ends of explicit axes and fixed lengths") {
+TEST_CASE("A coarse lattice keeps the ends of explicit axes and fixed lengths", "[alone]") {
   LatticeSpec spec;
   spec.r1 = AxisRange{0.513, 0.777, 1e-6};
   spec.r3 = AxisRange{0.6, 0.6, 1};
@@ -68,7 +68,7 @@ TEST_CASE("A coarse lattice keeps the ends of explicit axes and fixed lengths") 
   CHECK(lattice.designs() > 1000);
 }
 
-TEST_CASE("The increment of a coarse lattice follows the size of the machine") {
+TEST_CASE("The increment of a coarse lattice follows the size of the machine", "[alone]") {
   Scene large;
   large.release_height = 200;
   large.fulcrum_height = 150;
@@ -81,7 +81,7 @@ TEST_CASE("The increment of a coarse lattice follows the size of the machine") {
   CHECK(designs < 1'000'000);
 }
 
-TEST_CASE("The maxima are those that a comparison of all neighbours finds, best first") {
+TEST_CASE("The maxima are those that a comparison of all neighbours finds, best first", "[alone]") {
   Job speed, range, hanger;
   range.optimum.objective = to_expression(Field::range);
   hanger.scene.start_angle = 1.2;
@@ -98,7 +98,7 @@ TEST_CASE("The maxima are those that a comparison of all neighbours finds, best 
   }
 }
 
-TEST_CASE("Designs that satisfy the constraints come before others") {
+TEST_CASE("Designs that satisfy the constraints come before others", "[alone]") {
   Job job = job_with({{"optimum.subject-to", "peak-axle-load <= 1.75e5"}});
   job.lattice = with_increment(0.1);
   const auto maxima = sweep_of(job).maxima;
@@ -126,7 +126,7 @@ TEST_CASE("A coarse sweep is the same on any number of ranks") {
   CHECK_FALSE(together.empty());
 }
 
-TEST_CASE("There are no maxima where nothing is released") {
+TEST_CASE("There are no maxima where nothing is released", "[alone]") {
   Job job;
   job.solver.max_time = 0.2;
   job.lattice = with_increment(0.1);

@@ -19,9 +19,6 @@ using namespace trebsweep;
 
 namespace {
 
-/// Whether this is the only rank: what does not depend on their number is tested once.
-bool is_alone() { return mpi::size(MPI_COMM_WORLD) == 1; }
-
 OptimumResult optimum_of(const Job& job) {
   const auto result = find_optimum(job, {}, MPI_COMM_SELF);
   REQUIRE(result);
@@ -147,8 +144,8 @@ std::pair<Design<double>, double> nelder_mead() {
 
 }  // namespace
 
-TEST_CASE("The paper's optimum is that of Nelder and Mead's search in extended precision") {
-  if (!is_alone()) return;
+TEST_CASE("The paper's optimum is that of Nelder and Mead's search in extended precision",
+          "[alone]") {
   const auto [design, speed] = nelder_mead();
   const OptimumResult found = optimum_of(paper);
   CHECK(std::abs(to_design(found.parameters).r1 - design.r1) < 1e-6);
@@ -162,8 +159,7 @@ TEST_CASE("The paper's optimum is that of Nelder and Mead's search in extended p
 }
 #endif
 
-TEST_CASE("Value, release time, gradient and Hessian are those of extended precision") {
-  if (!is_alone()) return;
+TEST_CASE("Value, release time, gradient and Hessian are those of extended precision", "[alone]") {
   const Job job = job_with({{"lattice.r1", "0.53:0.8:0.01"}});
   const OptimumResult found = optimum_of(job);
   const Parameters& x = found.parameters;
@@ -198,8 +194,7 @@ TEST_CASE("Value, release time, gradient and Hessian are those of extended preci
     }
 }
 
-TEST_CASE("Limits that bind are satisfied, and no feasible design nearby is better") {
-  if (!is_alone()) return;
+TEST_CASE("Limits that bind are satisfied, and no feasible design nearby is better", "[alone]") {
   std::mt19937_64 random(1);
   const std::array fields{Field::peak_sling_tension, Field::range, Field::efficiency,
                           Field::peak_axle_load, Field::peak_beam_stress};
@@ -227,8 +222,7 @@ TEST_CASE("Limits that bind are satisfied, and no feasible design nearby is bett
   }
 }
 
-TEST_CASE("The optimum is never worse than the best of a sweep with a spacing of 5 mm") {
-  if (!is_alone()) return;
+TEST_CASE("The optimum is never worse than the best of a sweep with a spacing of 5 mm", "[alone]") {
   std::mt19937_64 random(2);
   for (int kind = 0; kind < 20; ++kind) {
     Job job = random_job(random, kind);
@@ -254,8 +248,7 @@ TEST_CASE("The optimum is never worse than the best of a sweep with a spacing of
   }
 }
 
-TEST_CASE("Each of two nearly equal maxima is reported") {
-  if (!is_alone()) return;
+TEST_CASE("Each of two nearly equal maxima is reported", "[alone]") {
   const Job job = job_with({{"scene.start-angle", "0.3"},
                             {"lattice.r1", "0.06"},
                             {"lattice.r3", "0.2:0.5:0.01"},
@@ -286,8 +279,8 @@ TEST_CASE("The optimum is bitwise the same on any number of ranks") {
   }
 }
 
-TEST_CASE("A robust optimum is not worse in its worst case or its expectation than the plain one") {
-  if (!is_alone()) return;
+TEST_CASE("A robust optimum is not worse in its worst case or its expectation than the plain one",
+          "[alone]") {
   Job job = job_with({{"optimum.deviation", "0.005"}});
   const OptimumResult plain = optimum_of(job);
   job.optimum.robust = Robust::worst;
@@ -301,8 +294,7 @@ TEST_CASE("A robust optimum is not worse in its worst case or its expectation th
   CHECK(worst.value < plain.value);
 }
 
-TEST_CASE("Fixed lengths are kept, and without any other the design is the only one") {
-  if (!is_alone()) return;
+TEST_CASE("Fixed lengths are kept, and without any other the design is the only one", "[alone]") {
   const OptimumResult one = optimum_of(job_with({{"lattice.r3", "0.55"}}));
   CHECK(to_design(one.parameters).r3 == 0.55);
   const Job fixed =
@@ -327,7 +319,6 @@ TEST_CASE("Where there is no optimum, all ranks say why") {
   CHECK_THAT(message({{"solver.max-time", "0.2"}}), contains("nothing is released"));
   CHECK_THAT(message({{"optimum.subject-to", "peak-axle-load <= 1e4, speed >= 16"}}),
              contains("constraints exclude every design"));
-  if (!is_alone()) return;
   CHECK_THAT(message({{"optimum.deviation", "0.3"},
                       {"optimum.robust", "worst"},
                       {"lattice.r3", "0.6"},
@@ -338,8 +329,7 @@ TEST_CASE("Where there is no optimum, all ranks say why") {
              contains("optimum.deviation = 1.5"));
 }
 
-TEST_CASE("Refining the best of a lattice gives the optimum") {
-  if (!is_alone()) return;
+TEST_CASE("Refining the best of a lattice gives the optimum", "[alone]") {
   for (const std::string objective : {"speed", "range"}) {
     const Job job = job_with({{"optimum.objective", objective}});
     const OptimumResult optimum = optimum_of(job);

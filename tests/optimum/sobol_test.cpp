@@ -1,6 +1,6 @@
 #include "trebsweep/optimum/sobol.hpp"
 
-#include <catch2/catch.hpp>
+#include "support/catch.hpp"
 
 using namespace trebsweep;
 using Eigen::MatrixXd;

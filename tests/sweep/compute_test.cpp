@@ -5,7 +5,7 @@
 
 using namespace trebsweep;
 
-TEST_CASE("The lanes make at least the steps of the designs of a tile, and few more") {
+TEST_CASE("The lanes make at least the steps of the designs of a tile, and few more", "[alone]") {
   for (const SmallStudy& small : small_studies()) {
     Compute compute(small.study);
     Tally sum;
@@ -21,7 +21,8 @@ TEST_CASE("The lanes make at least the steps of the designs of a tile, and few m
   }
 }
 
-TEST_CASE("The first designs of a sweep are integrated few at a time, with polls in between") {
+TEST_CASE("The first designs of a sweep are integrated few at a time, with polls in between",
+          "[alone]") {
   Job job = job_of_one_scene();
   job.lattice.increment = 0.05;
   const Study study(job);

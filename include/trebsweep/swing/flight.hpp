@@ -129,11 +129,6 @@ extern template Flight<double> flight(const Scene&, const Vector<double>&, const
 extern template ValueAndSlope<double> range_and_slope(const Scene&, const Vector<double>&,
                                                       const Vector<double>&, const Vector<double>&,
                                                       double);
-extern template Flight<Pack<2>> flight(const Scene&, const Vector<Pack<2>>&,
-                                       const Vector<Pack<2>>&);
-extern template ValueAndSlope<Pack<2>> range_and_slope(const Scene&, const Vector<Pack<2>>&,
-                                                       const Vector<Pack<2>>&,
-                                                       const Vector<Pack<2>>&, double);
 extern template Flight<Pack<3>> flight(const Scene&, const Vector<Pack<3>>&,
                                        const Vector<Pack<3>>&);
 extern template ValueAndSlope<Pack<3>> range_and_slope(const Scene&, const Vector<Pack<3>>&,
