@@ -144,13 +144,10 @@ class Slices(DirectoryTest):
 
 class Kills(resume_test.ResumeTest):
     JOB_TEXT = f"[scene]\n{AXES}{LATTICE}{resume_test.JOB}"
-    VERSIONS = ((), resume_test.COMPRESSED, NO_MAPS)
+    VERSIONS = ((), NO_MAPS)
 
     def test_a_study_killed_repeatedly_produces_the_same_archive(self):
         self.interrupt(resume_test.kill_all, (), lambda launcher, errors: None)
-
-    def test_a_compressed_study_killed_repeatedly_produces_the_same_archive(self):
-        self.interrupt(resume_test.kill_all, resume_test.COMPRESSED, lambda launcher, errors: None)
 
     def test_a_study_without_maps_killed_repeatedly_produces_the_same_archive(self):
         self.interrupt(resume_test.kill_all, NO_MAPS, lambda launcher, errors: None)
