@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from scripts import SIGNATURES, ScriptTest
+from scripts import ScriptTest
 import machine
 import trajectory
 from picture import plt
@@ -48,14 +48,12 @@ class Machine(ScriptTest):
                 path = line.get_transform().transform_path(line.get_path())
                 self.assertFalse(path.intersects_bbox(box, filled=False), (box, line))
 
-    def test_the_sketch_is_drawn_in_every_format(self):
+    def test_the_sketch_is_drawn(self):
         for name, options in (("machine.svg", ()), ("built.svg", ("--built",))):
             self.run_script("machine.py", *options)
             self.assert_picture(name)
-        for suffix in SIGNATURES:
-            self.run_script("machine.py", "-o", f"sketch.{suffix}")
-            self.assert_picture(f"sketch.{suffix}")
-        self.assert_nothing_is_cut("sketch.png")
+        self.run_script("machine.py", "-o", "sketch.png")
+        self.assert_picture("sketch.png")
         self.run_script("machine.py", "-o", "sketch.xyz", code=2, says="output = sketch.xyz: must end")
 
 

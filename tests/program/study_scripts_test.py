@@ -145,7 +145,7 @@ class ScenesOfStudies(StudyTest):
     def test_every_script_takes_a_scene(self):
         at = self.words(self.at(100, 1.92))
         self.run_script("heatmap.py", "study.h5", *at)
-        self.assert_nothing_is_cut("study-projectile-mass=100-fulcrum-height=1.92-speed.png")
+        self.assert_picture("study-projectile-mass=100-fulcrum-height=1.92-speed.png")
         self.run_script("loads.py", "study.h5", *at, "--count", "1", "--program", PROGRAM)
         self.assert_picture("study-projectile-mass=100-fulcrum-height=1.92-loads.png")
         done = self.run_script("compare.py", "study.h5", "alone4.h5", *at, "-o", "c.png")
@@ -186,7 +186,7 @@ class ScenesOfStudies(StudyTest):
         self.assertEqual(lines[3], f"designs   {difference.size} with a speed in both, {only} in one of them only")
         self.assertIn(f"median {np.median(difference):.6g}, ", lines[4])
         self.assertIn(f"largest {difference.max():.6g} m/s", lines[4])
-        self.assert_nothing_is_cut("c.png")
+        self.assert_picture("c.png")
         none = ("study.h5", "study.h5", *self.words(self.at(50, 1.5)), "--at-b", "fulcrum-height=1.92")
         self.run_script("compare.py", *none, code=1,
                         says="study.h5, projectile-mass = 50 kg, fulcrum-height = 1.5 m and study.h5, "
@@ -457,7 +457,7 @@ class Studies(StudyTest):
         self.assertEqual(len(done.stdout.splitlines()), 2 + 6 + 1)
         np.testing.assert_allclose([list(map(float, line.split())) for line in done.stdout.splitlines()[2:8]],
                                    [list(map(float, row)) for row in rows[1:]], rtol=1e-6)
-        self.assert_nothing_is_cut("study-study.png")
+        self.assert_picture("study-study.png")
 
     def test_scenes_that_are_not_done_are_blank(self):
         tiles = self.make_partial(0)
@@ -552,7 +552,7 @@ class VarianceShares(StudyTest):
                 "projectile_mass", "fulcrum_height", *AXES)), indexing="ij")
             file["speed"][...] = np.where(file["status"][...] == 1, 0.01 * m + r1 ** 2 + 3 * r3 * r2, np.nan)
         done = self.run_script("sobol.py", "formula.h5", "--at", "fulcrum-height=1.92", "--pairs")
-        self.assert_nothing_is_cut("formula-fulcrum-height=1.92-sobol.png")
+        self.assert_picture("formula-fulcrum-height=1.92-sobol.png")
         axes = self.boxed(Archive(self.path("formula.h5")).select([("fulcrum-height", 1.92)])).axes
         r3, r2 = axes["r3"], axes["r2"]
         v3, v2 = r3.var(), r2.var()

@@ -34,7 +34,6 @@ class Swings(ScriptTest):
                     trace(comments=comments)
                     self.run_script("trajectory.py", "table.txt", *flight, "-o", "swing.png")
                     self.assert_picture("swing.png")
-                    self.assert_nothing_is_cut("swing.png")
 
     def test_ground_trough_and_lift_off_are_drawn_if_the_comments_define_them(self):
         self.assertEqual(self.labels(self.trace()) & {"ground", "trough", "lift-off"}, {"ground"})
