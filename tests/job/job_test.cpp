@@ -175,6 +175,14 @@ TEST_CASE(
   CHECK(job_of("[lattice]\nr1 = 0.1:0.7:0.1\n").lattice.r1->last == 0.7);
 }
 
+TEST_CASE("The message about a malformed axis says what an axis is") {
+  for (const std::string axis : {"1:0.5:0.1", "a:b:c", "0.5:1:0", "0.5:1:-0.1", "0.5:1", "nan"})
+    CHECK_THROWS_WITH(job_of("[lattice]\nr1 = " + axis + "\n"),
+                      contains("lattice.r1 = " + axis +
+                               ": must be first:last:step with a step above 0 and first <= last, "
+                               "or a single value"));
+}
+
 TEST_CASE("The message about a job file name that is not a valid archive name names output.file") {
   CHECK_THROWS_WITH(parse_job("", "#1.cfg", {}), contains("output.file = #1.h5"));
   CHECK(parse_job("", "#1.cfg", {{"output.file", "a.h5"}}).output.file == "a.h5");

@@ -74,6 +74,18 @@ TEST_CASE("The message about an invalid word of a list names that word only") {
                       contains("optimum.subject-to = : must be FIELD <= NUMBER"));
 }
 
+TEST_CASE("The message about an invalid value lists the choices or the range") {
+  CHECK_THROWS_WITH(parse("", {{"solver.stepper", "leapfrog"}}),
+                    contains("solver.stepper = leapfrog: must be one of euler, modified_midpoint, "
+                             "rk4, cash_karp54, dopri5, "));
+  CHECK_THROWS_WITH(parse("", {{"output.storage", "float16"}}),
+                    contains("output.storage = float16: must be one of float64, float32"));
+  CHECK_THROWS_WITH(parse("", {{"output.compression", "10"}}),
+                    contains("output.compression = 10: must be an integer from 0 to 9"));
+  CHECK_THROWS_WITH(parse("", {{"lattice.increment", "0"}}),
+                    contains("lattice.increment = 0: must be a number above 0, from 1e-12"));
+}
+
 TEST_CASE("A message quotes at most 200 characters of a value") {
   CHECK_THROWS_WITH(parse("", {{"scene.gravity", std::string(201, '9')}}),
                     contains(std::string(200, '9') + "...: must be"));
@@ -101,6 +113,7 @@ TEST_CASE("The numbers of [scene], and no other keys, can have several values") 
       CHECK(key.get(job) == "0.2, 0.3");
     } else if (key.placeholder != "LIST" && key.placeholder != "PATH") {
       CHECK_THROWS_AS(key.set(job, "0.3, 0.2"), InputError);
+      if (key.placeholder != "RANGE") CHECK_THROWS_AS(key.set(job, "1:2:1"), InputError);
     }
   }
 }

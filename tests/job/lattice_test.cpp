@@ -201,8 +201,9 @@ TEST_CASE("A step that is too short for a trough's axes is refused as the increm
 }
 
 TEST_CASE("A lattice that is too large is refused, with its size, before it is stored") {
-  CHECK_THROWS_WITH(Lattice(Scene{}, with_increment(1e-9)),
-                    contains("lattice.increment = 1e-09") && contains("cells"));
+  CHECK_THROWS_WITH(
+      Lattice(Scene{}, with_increment(1e-9)),
+      contains("lattice.increment = 1e-09 would make a lattice of ") && contains("1e+12 cells"));
   for (const double tiny : {1e-300, 1e-12})
     CHECK_THROWS_WITH(Lattice(Scene{}, with_increment(tiny)), contains("lattice.increment = "));
   LatticeSpec spec;

@@ -68,15 +68,27 @@ TEST_CASE("A bad range or list is refused with the key, the text and what is all
   refused("1:2:0.3", "1:2:0.3");
   refused("1::1", "1::1: must be first:last:step with a step above 0");
   refused("1, 2:3:1", "1, 2:3:1: must be first:last:step with a step above 0");
-  refused("1:1e9:1", "a range of at most 1000000 values");
-  refused("1, 2, 1", "numbers that differ; 1 is repeated");
+  for (const std::string text : {":", "::", ":2:1", "1:2:", "1:2:1, 3"})
+    refused(text, text +
+                      ": must be first:last:step with a step above 0 and first <= last, or "
+                      "numbers separated by commas");
+  refused("1:inf:1", "inf: must be a finite number above 0");
+  refused("50:200:70",
+          "a range whose last value is an integer number of steps from the first; "
+          "the nearest are 190 and 260");
+  for (const char* text : {"1:1e9:1", "1:1e12:1", "50:200:1e-300"})
+    refused(text, "a range of at most 1000000 values");
+  for (const char* text : {"1, 2, 1", "1,1e0", "1, 1.00000000000000000001"})
+    refused(text, "numbers that differ; 1 is repeated");
   refused("1:1.00000000000001:1e-15", "numbers that differ; 1 is repeated");
   refused("1, -2, 3", "-2: must be a finite number above 0");
   refused("-1:2:1", "-1: must be a finite number above 0");
   refused("1, two", "two: must be a finite number above 0");
-  for (const char* text : {",", "1,", "1,,2"})
+  for (const char* text : {",", " , ", "1,", ",1", "1,,2"})
     refused(text, "must be numbers separated by commas, or first:last:step");
   refused("1 2, 3", "scene.x = 1 2: must be a finite number above 0");
+  refused("1;2", "scene.x = 1;2: must be a finite number above 0");
+  refused("[1, 2]", "scene.x = [1: must be a finite number above 0");
 }
 
 TEST_CASE("Keys of [scene] with several values are axes in the order of the keys") {
@@ -89,6 +101,15 @@ TEST_CASE("Keys of [scene] with several values are axes in the order of the keys
   CHECK(axes[1].name() == "projectile-diameter");
   CHECK(axes[1].values == std::vector{0.1, 0.15, 0.2});
   CHECK(axes[2].values == std::vector<double>{-3, 3});
+}
+
+TEST_CASE("Each of several values is in the range of the key") {
+  CHECK_THROWS_WITH(
+      axes_of("projectile-mass = 50:1e13:50"),
+      contains("scene.projectile-mass = 1e13: must be a number above 0, from 1e-12 to 1e+12"));
+  CHECK_THROWS_WITH(
+      axes_of("sling-angle = 0, 1, 4"),
+      contains("scene.sling-angle = 4: must be a number from -3.14159265 to 3.14159265"));
 }
 
 TEST_CASE("A key has several values only if it is a number of [scene]") {

@@ -296,7 +296,8 @@ TEST_CASE("A target error is refused with several scenes") {
   CHECK_THROWS_WITH(parse("[scene]\nwind = 1, 2\nprojectile-diameter = 0.1\n"
                           "[solver]\ntarget-error = 1e-6\n"),
                     contains("solver.target-error = 1e-06: must be left out if scene.wind has "
-                             "several values"));
+                             "several values") &&
+                        contains("give solver.tolerance"));
 }
 
 TEST_CASE("A key that only some scenes use is allowed") {

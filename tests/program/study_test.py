@@ -107,19 +107,16 @@ class Slices(DirectoryTest):
 
     def test_without_maps_it_has_the_refined_optimum_of_each_sweep_on_any_number_of_ranks(self):
         for ranks in (3, 2, 1):
-            self.run_program("sweep", "study.cfg", *QUIET, *NO_MAPS, "--output.file", f"none{ranks}.h5", ranks=ranks)
+            sweep = self.run_program("sweep", "study.cfg", *QUIET, *NO_MAPS, "--output.file", f"none{ranks}.h5", ranks=ranks)
             self.assertEqual(differences(self.path(f"none{ranks}.h5"), self.path("none3.h5")), [])
         with h5py.File(self.path("none1.h5")) as study:
             self.assertEqual([name for name in self.FIELDS if name in study], [])
             for scene, own in self.each_scene(*NO_MAPS[2:]):
                 self.assert_optimum(study, scene, own)
-
-    def test_info_repeats_the_summary_of_the_sweep(self):
-        sweep = self.run_program("sweep", "study.cfg", *QUIET, *NO_MAPS, "--output.file", "info.h5", ranks=2).stdout
-        info = self.run_program("info", "info.h5").stdout
-        results = sweep[sweep.index("designs "):sweep.index("seconds ")]
+        # `info` repeats the summary of the sweep.
+        results = sweep.stdout[sweep.stdout.index("designs "):sweep.stdout.index("seconds ")]
         self.assertIn("refined ", results)
-        self.assertIn(results, info)
+        self.assertIn(results, self.run_program("info", "none1.h5").stdout)
 
     def test_xarray_selects_scenes_by_value(self):
         import xarray as xr  # slow to import
@@ -159,45 +156,7 @@ class BadInput(CommandTest):
     DESIGN = ("--r1", "0.6", "--r2", "0.9", "--r3", "0.5")
     TINY = ("--lattice.increment", "0.3")
 
-    def assert_axis_refused(self, text, *words, key="projectile-mass"):
-        self.assert_refused(["trace", self.job, *self.DESIGN, f"--scene.{key}={text}"], f"scene.{key} = ", *words)
-
-    def test_lists_that_are_empty_incomplete_or_repeat_a_value_are_refused(self):
-        for text in (",", " , ", "50,", ",50", "50,,60"):
-            self.assert_axis_refused(text, f"{text}: must be numbers separated by commas, or first:last:step")
-        for text in ("50, 60, 50", "50,5e1", "50, 50.00000000000000001"):
-            self.assert_axis_refused(text, f"{text}: must be numbers that differ; 50 is repeated")
-        for text in ("50 60", "50;60", "50, sixty", "[50, 60]"):
-            self.assert_axis_refused(text, "must be a number above 0")
-        self.write("empty.cfg", "[scene]\nprojectile-mass =\n")
-        self.assert_refused(["sweep", "empty.cfg"], "scene.projectile-mass = : must be a number above 0")
-
-    def test_a_value_out_of_range_among_good_ones_is_refused(self):
-        for text in ("50, -60", "50, 0, 60", "nan, 50", "50, 1e13", "0:100:50", "-50:50:50", "50:inf:50", "50:1e13:50"):
-            self.assert_axis_refused(text, "must be a number above 0, from 1e-12 to 1e+12")
-        self.assert_axis_refused("0, 1, 4", "= 4: must be a number from -3.14159265 to 3.14159265", key="sling-angle")
-
-    def test_malformed_ranges_are_refused(self):
-        for text in ("200:50:10", "50:49:1", ":", "::", "50:60", "50::10", ":60:10", "50:60:", "50:60:10:5", "50:60:0", "60:50:-10", "50:60:nan",
-                     "50:60:inf", "50:60:5, 70", "50, 60:70:5"):
-            self.assert_axis_refused(text, f"{text}: must be first:last:step with a step above 0 and first <= last, or "
-                                           "numbers separated by commas")
-        self.assert_axis_refused("50:200:70", "50:200:70: must be a range whose last value is an integer number of steps from "
-                                              "the first; the nearest are 190 and 260")
-        for text in ("1:1e12:1", "50:200:1e-300", "1:2:1e-9"):
-            self.assert_axis_refused(text, f"{text}: must be a range of at most 1000000 values")
-
-    def test_several_values_of_other_keys_are_refused(self):
-        for option in ("scene.beam-inertia=slender, prism", "scene.trough=no, yes", "solver.tolerance=1e-9, 1e-8",
-                       "solver.tolerance=1e-9:1e-8:1e-9", "solver.max-time=5, 10", "solver.stepper=vern7, vern8",
-                       "solver.max-steps=100, 200", "lattice.increment=0.1, 0.2", "lattice.increment=0.1:0.3:0.1",
-                       "lattice.shortest-sling=0.3, 0.4", "lattice.r1=0.6, 0.7", "output.compression=0, 1",
-                       "output.maps=all, none", "optimum.deviation=0, 0.01", "optimum.objective=speed, range",
-                       "optimum.refine=no, yes"):
-            key, text = option.split("=")
-            self.assert_refused(["sweep", self.job, f"--{option}"], f"{key} = {text}: must be ")
-
-    def test_more_than_first_refusal_scenes_are_refused_whatever_the_number_of_axes(self):
+    def test_more_than_a_million_scenes_are_refused_whatever_the_number_of_axes(self):
         many = "1:1000000:1"
         start = time.time()
         self.assert_refused(["sweep", self.job, "--scene.projectile-mass=1:1001:1", "--scene.fulcrum-height=1:2:0.001"],
@@ -228,22 +187,12 @@ class BadInput(CommandTest):
                                 ("scene.counterweight-hanger = 1.6 leaves no design", "counterweight-hanger = 1.6 m)"))):
             self.assert_refused(["sweep", self.job, *(f"--scene.{option}" for option in options)], *words)
 
-    def test_rules_that_a_scene_breaks_are_reported_with_it(self):
+    def test_a_trough_that_is_too_high_is_reported_with_its_scene(self):
         lattice = ("--lattice.r1=0.4", "--lattice.r3=0.9", "--lattice.r2=1.2")
         self.assert_refused(["sweep", self.job, *lattice, "--scene.trough=yes", "--scene.trough-height=0.1, 1.4",
                              "--scene.fulcrum-height=1.3, 1.5"],
                             "scene.trough-height = 1.4: must be below scene.fulcrum-height = 1.3 (in the scene with "
                             "fulcrum-height = 1.3 m, trough-height = 1.4 m)")
-        self.assert_refused(["sweep", self.job, "--scene.sling-stiffness=0, 1e6", "--scene.sling-damping=5"],
-                            "scene.sling-damping = 5: must be 0", "(in the scene with sling-stiffness = 0 N/m)")
-        self.assert_refused(["sweep", self.job, "--scene.beam-side=0, 0.1", "--output.fields=peak-beam-stress"],
-                            "output.fields = peak-beam-stress: must be left out", "(in the scene with beam-side = 0 m)")
-        self.assert_refused(["sweep", self.job, "--scene.wind=0, 3"], "scene.wind = 0, 3: must be left out unless")
-
-    def test_a_target_error_is_refused_with_several_scenes(self):
-        self.assert_refused(["sweep", self.job, "--scene.projectile-mass=50, 60", "--solver.target-error=1e-6"],
-                            "solver.target-error = 1e-06: must be left out", "scene.projectile-mass has several values",
-                            "give solver.tolerance")
 
     def test_commands_for_one_scene_name_the_key_and_the_remedy(self):
         axes = ("--scene.projectile-mass=50, 60", "--scene.wind=0:3:1", "--scene.projectile-diameter=0.1")
@@ -258,32 +207,19 @@ class OddAxes(CommandTest):
 
     TINY = BadInput.TINY
 
-    def axes(self, *options, job=None):
+    def axes(self, *options):
         """{name: values} of the outer axes of a study with a coarse lattice, whose maps hold numbers in each scene."""
-        self.run_program("sweep", job or self.job, *self.TINY, *QUIET, "--overwrite", *options)
-        name = os.path.splitext(os.path.basename(job or self.job))[0] + ".h5"
-        with h5py.File(self.path(name)) as study:
+        self.run_program("sweep", self.job, *self.TINY, *QUIET, "--overwrite", *options)
+        with h5py.File(self.path("job.h5")) as study:
             speed = study["speed"]
             names = [dimension.keys()[0] for dimension in speed.dims][:-3]
             self.assertTrue(np.isfinite(speed[...]).any(axis=(-3, -2, -1)).all())
             return {name: study[name][...].tolist() for name in names}
 
-    def test_lists_are_sorted_and_may_have_spaces(self):
-        for text in ("60,50", " 60 , 50 ", "60, 50", "+60,5e1"):
-            self.assertEqual(self.axes(f"--scene.projectile-mass={text}"), {"projectile_mass": [50, 60]})
-
-    def test_ranges_with_one_value_and_spaces_are_axes(self):
-        self.assertEqual(self.axes("--scene.projectile-mass=50:50:1"), {"projectile_mass": [50]})
-        self.assertEqual(self.axes("--scene.projectile-mass= 50 : 60 : 5 "), {"projectile_mass": [50, 55, 60]})
-
     def test_values_may_be_negative_or_zero(self):
         self.assertEqual(self.axes("--scene.sling-angle=-0.5:0.5:0.5"), {"sling_angle": [-0.5, 0, 0.5]})
         self.assertEqual(self.axes("--scene.wind=-3, 0, 3", "--scene.projectile-diameter=0, 0.1"),
                          {"projectile_diameter": [0, 0.1], "wind": [-3, 0, 3]})
-
-    def test_axes_are_in_the_order_of_the_keys(self):
-        self.assertEqual(list(self.axes("--scene.sling-mass=0, 1", "--scene.fulcrum-height=1.4, 1.5", "--scene.gravity=9.8, 3.7")),
-                         ["gravity", "fulcrum_height", "sling_mass"])
 
     def test_optional_keys_are_axes(self):
         self.assertEqual(self.axes("--scene.start-angle=0.5, 0.7"), {"start_angle": [0.5, 0.7]})
@@ -303,14 +239,6 @@ class OddAxes(CommandTest):
                     places = np.ix_(*(np.searchsorted(study[name], own[name]) for name in ("r1", "r3", "r2")))
                     self.assertEqual(study["speed"][scene][places].tobytes(), own["speed"][...].tobytes())
 
-    def test_an_option_replaces_an_axis_by_a_value_and_the_reverse(self):
-        job = self.write("masses.cfg", "[scene]\nprojectile-mass = 50, 60\n")
-        self.assertEqual(self.axes(job=job), {"projectile_mass": [50, 60]})
-        self.assertEqual(self.axes("--scene.projectile-mass=55", job=job), {})
-        self.assertEqual(self.axes("--scene.projectile-mass=70, 80", job=job), {"projectile_mass": [70, 80]})
-        self.assertEqual(self.axes("--scene.gravity=9.7, 9.8"), {"gravity": [9.7, 9.8]})
-        self.run_program("trace", job, *BadInput.DESIGN, "--scene.projectile-mass=55")
-
     def test_the_stored_job_of_a_study_reproduces_it(self):
         self.axes("--scene.projectile-mass=70, 50", "--scene.gravity=9:10:0.5")
         with h5py.File(self.path("job.h5")) as study:
@@ -327,11 +255,6 @@ class OddAxes(CommandTest):
             self.assertEqual(study["projectile_mass"][...].tolist(), masses)
             self.assertTrue(np.isfinite(study["best_value"][...]).all())
         self.assertIn("scenes    10000", self.run_program("info", "many.h5").stdout)
-
-    def test_help_mentions_studies_and_maps(self):
-        text = " ".join(self.run_program("sweep", "--help").stdout.split())
-        for words in ("study", "--output.maps", "one of all, none"):
-            self.assertIn(words, text)
 
 
 class Stops(resume_test.ResumeTest):
