@@ -181,6 +181,7 @@ TEST_CASE("Paths that cannot name a file are refused with the reason") {
   CHECK_THROWS_WITH(open_or_resume(job_in(directory / "no/a.h5"), false),
                     contains("is not a directory"));
   CHECK_THROWS_WITH(open_or_resume(job_in(directory.path()), false), contains("is a directory"));
+  CHECK_THROWS_WITH(open_or_resume(job_in("/dev/null"), true), contains("is a device"));
   CHECK_THROWS_WITH(open_or_resume(job_in("/proc/a.h5"), false),
                     contains("output.file = /proc/a.h5: cannot write in /proc: "));
   // No file system takes 300; of 248, it is the folder next to the file whose name is too long.

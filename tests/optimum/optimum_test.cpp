@@ -272,7 +272,10 @@ TEST_CASE("The optimum is bitwise the same on any number of ranks") {
                                 {"optimum.deviation", "0.003"},
                                 {"optimum.subject-to", "peak-axle-load <= 1.6e5"}});
   const Job robust = job_with({{"optimum.deviation", "0.005"}, {"optimum.robust", "worst"}});
-  for (const Job& job : {several, robust}) {
+  // With two maxima, so that the ranks share the searches.
+  const Job shared = job_with({{"scene.start-angle", "0.3"}, {"optimum.objective", "range"}});
+  CHECK(optimum_of(shared).starts > 1);
+  for (const Job& job : {several, robust, shared}) {
     const auto together = find_optimum(job, {}, MPI_COMM_WORLD);
     CHECK(together.has_value() == (mpi::rank(MPI_COMM_WORLD) == 0));
     if (together) CHECK(fingerprint(*together) == fingerprint(optimum_of(job)));
@@ -295,8 +298,15 @@ TEST_CASE("A robust optimum is not worse in its worst case or its expectation th
 }
 
 TEST_CASE("Fixed lengths are kept, and without any other the design is the only one", "[alone]") {
-  const OptimumResult one = optimum_of(job_with({{"lattice.r3", "0.55"}}));
-  CHECK(to_design(one.parameters).r3 == 0.55);
+  using Length = std::pair<const char*, double Design<double>::*>;
+  const double best = optimum_of(Job{}).value;
+  for (const auto& [axis, length] :
+       {Length{"r1", &Design<double>::r1}, Length{"r3", &Design<double>::r3},
+        Length{"r2", &Design<double>::r2}}) {
+    const OptimumResult one = optimum_of(job_with({{std::string("lattice.") + axis, "0.6"}}));
+    CHECK(to_design(one.parameters).*length == 0.6);
+    CHECK(one.value < best);
+  }
   const Job fixed =
       job_with({{"lattice.r1", "0.52"}, {"lattice.r3", "0.55"}, {"lattice.r2", "0.9"}});
   const OptimumResult all = optimum_of(fixed);

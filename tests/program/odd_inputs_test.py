@@ -1,5 +1,5 @@
-"""Odd inputs: for each, the program ends within 10 s of processor time with the expected exit code. Where that is 2,
-it prints one line on stderr and nothing on stdout, and the directory is unchanged.
+"""Odd inputs: for each, the program ends within 10 s of processor time with the expected exit code. Where that is not
+0, it prints one line on stderr; where it is 2, also nothing on stdout, and the directory is unchanged.
 
 Needs TREBSWEEP (the program) in the environment.
 """
@@ -64,10 +64,10 @@ def outputs():
         return ["sweep", "job.cfg", *TINY, *options], code
 
     for name in ["", ".", "..", "/", "folder", "folder/", "no/such.h5", "job.cfg/x.h5", "a#b.h5", "a\nb.h5", " a.h5", "a.h5 ", '"a.h5"', "x" * 248,
-                 "x" * 255, "x" * 300, "job.cfg", "text.txt", "empty", "fifo", "/dev/null", "loop", "link_to_fifo",
-                 "link_to_folder", "socket"]:
+                 "x" * 255, "x" * 300, "job.cfg", "text.txt", "empty", "fifo", "/dev/null", "/dev/zero", "loop",
+                 "link_to_fifo", "link_to_folder", "socket"]:
         yield sweep(2, f"--output.file={name}")
-    for name in ["partial_fifo.h5", "partial_text.h5", "partial_folder.h5", "partial_job.h5"]:
+    for name in ["partial_fifo.h5", "partial_text.h5", "partial_folder.h5", "partial_job.h5", "partial_link.h5"]:
         for more in [[], ["--overwrite"]]:
             yield sweep(2, "--output.file", name, *more)
     yield sweep(0, "--output.file", "a name with blanks.h5")
@@ -126,7 +126,8 @@ def command_lines():
                       ["assess", "job.cfg", "--assess.time-steps", "0"],
                       ["assess", "job.cfg", "--assess.tolerances", "1e-9,1"],
                       ["assess", "job.cfg", "--assess.designs", "0"], ["assess", "job.cfg", "--time-limit", "1"],
-                      ["info", "missing.h5"], ["info", "folder"], ["info", "fifo"], ["info", "/dev/null"], ["info", "loop"],
+                      ["info", "missing.h5"], ["info", "folder"], ["info", "fifo"], ["info", "/dev/null"],
+                      ["info", "/dev/zero"], ["info", "loop"],
                       ["info", "x" * 300], ["info", "job.cfg", "--overwrite"]]:
         yield arguments, 2
     for name in ["text.txt", "empty", "foreign.h5"]:
@@ -195,7 +196,8 @@ def fill(directory):
     write("partial_folder.h5.partial/notes", "precious\n")
     write("partial_text.h5.partial", "precious\n")
     for name, target in [("loop", "loop"), ("link_to_fifo", "fifo"), ("link_to_folder", "folder"),
-                         ("dangling", "target.h5"), ("partial_job.h5.partial", "job.cfg")]:
+                         ("dangling", "target.h5"), ("partial_job.h5.partial", "job.cfg"),
+                         ("partial_link.h5.partial", "folder")]:
         os.symlink(target, os.path.join(directory, name))
 
 
@@ -227,11 +229,11 @@ def fault(case, directory, before, sessions):
     wrong = []
     if done.returncode != code:
         wrong.append(f"exit code {done.returncode} instead of {code}")
+    if code != 0 and (not re.fullmatch(r"trebsweep: [^\n]+\n", done.stderr) or len(done.stderr) > 3000):
+        wrong.append("not one short line on stderr")
     if code == 2:
         if done.stdout:
             wrong.append(f"on stdout: {done.stdout[:200]!r}")
-        if not re.fullmatch(r"trebsweep: [^\n]+\n", done.stderr) or len(done.stderr) > 3000:
-            wrong.append("not one short line on stderr")
         if snapshot(directory) != before:
             wrong.append("the directory has changed")
     return f"{shown}: {'; '.join(wrong)}; stderr: {done.stderr[:300]!r}" if wrong else None

@@ -308,11 +308,10 @@ class Stops(resume_test.ResumeTest):
 
 
 class Damage(damage_test.Flips):
-    """Flipped bits in a study's maps, in the optima of its scenes and in its tables."""
+    """Flipped bits in a study's maps."""
 
     JOB_TEXT = f"[scene]\n{AXES}{damage_test.JOB}"
     SCENE = "projectile-mass = 50 kg, fulcrum-height = 1.4 m, "
-    TABLES = 18
 
 
 if __name__ == "__main__":

@@ -4,9 +4,9 @@ import os
 import re
 import unittest
 
-import h5py
 import numpy as np
 
+from archives import differences, h5py
 from commands import COARSE, KERNELS, CommandTest, wide_kernels
 from support import JOBS
 
@@ -27,28 +27,6 @@ class AccurateByDefault(CommandTest):
         job = self.write("heavy.cfg", "[scene]\nprojectile-mass = 1e8\n[lattice]\nincrement = 0.1\n")
         self.assertIn("optimum   none: nothing was released", self.run_program("sweep", job).stdout)
 
-    def test_keys_that_the_solver_does_not_use_are_refused(self):
-        self.assert_refused(["sweep", self.job, "--solver.time-step", "0.01"],
-                            "solver.time-step = 0.01: must be left out", "solver.tolerance")
-        self.assert_refused(["sweep", self.job, "--solver.release-window", "0.01"],
-                            "solver.release-window = 0.01: must be left out")
-        paper = os.path.join(JOBS, "paper.cfg")
-        self.assert_refused(["sweep", paper, "--solver.tolerance", "1e-9"],
-                            "solver.tolerance = 1e-9: must be left out", "solver.time-step")
-        self.assert_refused(["sweep", paper, "--solver.stepper", "dopri5"], "solver.release = window")
-        self.assert_refused(["sweep", self.job, "--solver.pin-angle", "0.6"],
-                            "solver.pin-angle = 0.6: must be left out unless solver.release is pin")
-
-    def test_keys_that_the_scene_does_not_use_are_refused(self):
-        for used, unused, why in [
-                (["start-angle=0.9"], "release-height = 2", "with scene.start-angle"),
-                (["trough=yes"], "sling-angle = -1", "with scene.trough = yes"),
-                (["beam-mass=5", "beam-centre=0.4", "beam-moment=2"], "beam-side = 0.1", "with scene.beam-mass"),
-                ([], "wind = 3", "unless scene.projectile-diameter is above 0")]:
-            with self.subTest(unused=unused):
-                options = [f"--scene.{value}" for value in [*used, unused.replace(" = ", "=")]]
-                self.assert_refused(["sweep", self.job, *options], f"scene.{unused}: must be left out {why}")
-
 
 class Scale(CommandTest):
     def test_an_axis_of_millions_of_values_makes_progress_within_seconds(self):
@@ -67,21 +45,10 @@ class Scale(CommandTest):
 
 
 class Sweep(CommandTest):
-    def test_a_sweep_prints_a_summary_and_leaves_only_its_archive(self):
-        done = self.run_program("sweep", self.job, *COARSE)
-        self.assertIn("optimum   ", done.stdout)
-        self.assertIn("archive   job.h5", done.stdout)
-        self.assertEqual(sorted(os.listdir(self.directory)), ["job.cfg", "job.h5"])
-
     def test_maps_are_bitwise_the_same_on_any_number_of_ranks(self):
-        for ranks in (1, 2, 3, 5, 16):
+        for ranks in (1, 5, 16):
             self.run_program("sweep", self.job, *COARSE, "--output.file", f"{ranks}.h5", ranks=ranks)
-        with h5py.File(self.path("1.h5")) as alone:
-            for ranks in (2, 3, 5, 16):
-                with h5py.File(self.path(f"{ranks}.h5")) as other:
-                    for field in ("speed", "release_time", "status"):
-                        self.assertEqual(alone[field][...].tobytes(), other[field][...].tobytes())
-                    self.assertEqual(alone.attrs["best_speed"], other.attrs["best_speed"])
+            self.assertEqual(differences(self.path("1.h5"), self.path(f"{ranks}.h5")), [], ranks)
 
     def test_maps_are_bitwise_the_same_with_avx2_and_avx512(self):
         if not wide_kernels():
@@ -125,15 +92,11 @@ class Sweep(CommandTest):
         arguments = (*COARSE, "--scene.sling-angle", "1.5", "--solver.stepper", "fehlberg78")
         self.run_program("sweep", self.job, *arguments, "--output.fields", "speed, slack",
                          "--output.file", "all.h5")
-        done = self.run_program("sweep", self.job, *arguments, "--output.optimum", "taut",
-                                "--output.file", "taut.h5")
+        self.run_program("sweep", self.job, *arguments, "--output.optimum", "taut", "--output.file", "taut.h5")
         with h5py.File(self.path("all.h5")) as archive, h5py.File(self.path("taut.h5")) as taut:
             slack, speed = archive["slack"][...], archive["speed"][...]
-            self.assertTrue((slack == 2).any())
-            if (slack == 1).any():
-                self.assertEqual(taut.attrs["best_speed"], speed[slack == 1].max())
-            else:
-                self.assertIn("no released design has a taut sling", done.stdout)
+            self.assertTrue((slack == 2).any() and (slack == 1).any())
+            self.assertEqual(taut.attrs["best_speed"], speed[slack == 1].max())
 
     def test_the_optimum_has_the_largest_objective_of_the_designs_that_satisfy_the_constraints(self):
         scene = ("--lattice.increment", "0.05", "--solver.stepper", "vern8", "--lattice.shortest-sling", "0.2")
@@ -221,10 +184,8 @@ class Sweep(CommandTest):
         self.run_program("sweep", self.job, *COARSE, "--scene.projectile-mass", "55")
         with h5py.File(self.path("job.h5")) as file:
             again = self.write("again.cfg", file.attrs["job"])
-            speed = file["speed"][...]
         self.run_program("sweep", again, "--output.file", "again.h5")
-        with h5py.File(self.path("again.h5")) as file:
-            self.assertEqual(file["speed"][...].tobytes(), speed.tobytes())
+        self.assertEqual(differences(self.path("again.h5"), self.path("job.h5")), [])
 
     def test_compression_and_float32_keep_the_values(self):
         self.run_program("sweep", self.job, *COARSE)
