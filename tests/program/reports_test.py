@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import subprocess
 import unittest
 
 import numpy as np
@@ -71,12 +70,9 @@ class Reports(PictureTest):
     def test_an_assessment_is_drawn_with_maps(self):
         maps = self.sweep("paper", "--output.fields", "speed, status, speed-error, stiffness",
                           name="maps")
-        subprocess.run([PROGRAM, "assess", f"{JOBS}/paper.cfg",
-                        "--assess.scenes", f"{JOBS}/extreme/long_steps.cfg",
-                        "--assess.steppers", "euler, dopri5", "--assess.time-steps", "0.01, 0.005",
-                        "--assess.tolerances", "1e-5, 1e-7", "--assess.repeats", "1",
-                        "--output.file", self.path("assess.h5")],
-                       check=True, capture_output=True, timeout=120)
+        self.run_program("assess", f"{JOBS}/paper.cfg", "--assess.scenes", f"{JOBS}/extreme/long_steps.cfg",
+                         "--assess.steppers", "euler, dopri5", "--assess.time-steps", "0.01, 0.005",
+                         "--assess.tolerances", "1e-5, 1e-7", "--assess.repeats", "1", "--output.file", "assess.h5")
         self.run_script("assess.py", "assess.h5", "--maps", maps)
         for picture in ("precision", "order", "stability", "speed_error", "stiffness"):
             self.assert_picture(f"assess-{picture}.png")
@@ -131,11 +127,6 @@ class Reports(PictureTest):
         self.sweep("accurate", "--lattice.r1", "0.61:0.71:0.1", name="between")
         self.run_script("compare.py", "between.h5", "accurate.h5", code=1,
                         says="between.h5 and accurate.h5 have no design in common")
-
-    def test_optimum_prints_options_of_trace(self):
-        done = self.run_script("optimum.py", "accurate.h5", "--job", "accurate-job.cfg")
-        self.assertRegex(done.stdout, r"^--r1 [\d.]+ --r3 [\d.]+ --r2 [\d.]+\n$")
-        self.assertIn(b"stepper = vern8\n", self.read("accurate-job.cfg"))
 
     def test_the_continuous_optimum_of_an_archive_is_that_of_its_job(self):
         self.sweep("paper", "--solver.time-step", "0.002", "--optimum.objective", "efficiency", name="fine")

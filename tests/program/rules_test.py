@@ -170,12 +170,8 @@ class RulesPage(ScriptTest):
         cls.sweep("rules", increment="0.1")
         cls.sweep("literature", "--lattice.r3", "4:9:2.5", increment="0.8")
 
-    def test_every_block_is_valid_bash(self):
-        self.assertGreater(len(self.blocks), 5)
-        for block in self.blocks:
-            self.run_command("bash", "-n", "-c", block)
-
     def test_every_option_exists(self):
+        self.assertGreater(len(self.blocks), 5)
         self.assertGreater(len(self.commands), 20)
         usages = {}
         for program, *words in self.commands:

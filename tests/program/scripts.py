@@ -16,6 +16,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, ANALYSIS)
 import heatmap
 from archive import AXES, OPTIMUM, Archive
+from archives import h5py, tiles
 from picture import plt
 
 plt.figure  # imports matplotlib, before the first fork
@@ -164,3 +165,28 @@ def best_of(speed, file):
         return {f"best_{name}": np.nan for name in OPTIMUM}
     index = np.unravel_index(np.nanargmax(speed), speed.shape)
     return {"best_value": speed[index], **{f"best_{name}": file[name][i] for name, i in zip(AXES, index)}}
+
+
+def leave_out(path, done, junk):
+    """Makes an archive that of an unfinished sweep with the first `done` tiles done, and `junk` in the maps of the
+    others, whose slices are returned."""
+    with h5py.File(path, "r+") as file:
+        speed = np.full(file["speed"].shape, np.nan)
+        for tile in list(tiles(file))[:done]:
+            speed[tile] = file["speed"][tile]
+        undone = list(tiles(file))[done:]
+        for name in {"speed", "speed_error"} & file.keys():
+            for tile in undone:
+                file[name][tile] = junk
+        for tile in undone:
+            file["status"][tile] = 1
+        file["tile_designs"][done:] = 0
+        outer = file["scene_lattice"].shape
+        for number in set(file["tile_block"][done:, 0].astype(int).tolist()):
+            scene = np.unravel_index(number, outer)
+            for column, value in best_of(speed[scene], file).items():
+                if outer:
+                    file[column][scene] = value
+                else:
+                    file.attrs[column] = value
+    return undone

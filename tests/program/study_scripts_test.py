@@ -11,7 +11,7 @@ import unittest.mock
 
 import numpy as np
 
-from scripts import ANALYSIS, ScriptTest, best_of
+from scripts import ANALYSIS, ScriptTest, leave_out
 import compare
 import heatmap
 import sobol
@@ -25,26 +25,29 @@ from support import JOBS, PROGRAM
 
 
 class StudyTest(ScriptTest):
-    """Tests with the archives study.h5, of scenes whose lattices differ, and alone<i>.h5, of each of these
-    scenes; of many masses, refined and without maps, masses.h5; and one of three outer axes, three.h5."""
+    """Tests with the archives study.h5, of scenes whose lattices differ, and alone<i>.h5, of these scenes."""
 
     MASSES = (50.0, 100.0)
     HEIGHTS = (1.5, 1.92, 2.5)  # with r1 = 1.12, ... m, r1 = 0.7, ... m and r1 = 0.12, ... m
     RELEASE = ("--scene.release-height", "2.57")
     MANY_MASSES = (20, 50, 100, 200, 500, 1000)
+    ALONE = range(6)
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.sweep("accurate", *cls.RELEASE, "--scene.projectile-mass", "50:100:50",
                   "--scene.fulcrum-height", "1.92, 1.5, 2.5", name="study")
-        for i, (mass, height) in enumerate(cls.scenes()):
+        for i in cls.ALONE:
+            mass, height = cls.scenes()[i]
             cls.sweep("accurate", *cls.RELEASE, "--scene.projectile-mass", str(mass), "--scene.fulcrum-height",
                       str(height), name=f"alone{i}")
+
+    @classmethod
+    def sweep_masses(cls):
+        """Writes masses.h5, of many masses, refined and without maps."""
         cls.sweep("accurate", "--scene.projectile-mass", ", ".join(map(str, cls.MANY_MASSES)),
                   "--output.maps", "none", "--optimum.refine", "yes", name="masses")
-        cls.sweep("accurate", "--scene.projectile-mass", "50, 100", "--scene.counterweight-mass", "2000, 4000",
-                  "--scene.fulcrum-height", "1.5, 1.6", "--output.maps", "none", name="three", increment="0.1")
 
     @classmethod
     def scenes(cls):
@@ -71,21 +74,11 @@ class StudyTest(ScriptTest):
         with h5py.File(self.path("study.h5")) as file:
             yield from zip(file["tile_block"][:, 0].astype(int).tolist(), tiles(file))
 
-    def make_partial(self, done, junk=99):
-        """Copies study.h5 as partial.h5 with only the first `done` tiles done, and `junk` in the others."""
+    def make_partial(self, done):
+        """Copies study.h5 as partial.h5 with only the first `done` tiles done; returns all tiles."""
         shutil.copy(self.path("study.h5"), self.path("partial.h5"))
-        all_tiles = list(self.tiles())
-        with h5py.File(self.path("partial.h5"), "r+") as file:
-            for i, tile in all_tiles[done:]:
-                file["speed"][tile], file["status"][tile] = junk, 1
-            file["tile_designs"][done:] = 0
-            for scene in {i for i, _ in all_tiles[done:]}:
-                speed = np.full(file["speed"].shape[2:], np.nan)
-                for _, tile in (one for one in all_tiles[:done] if one[0] == scene):
-                    speed[tile[2:]] = file["speed"][tile]
-                for column, value in best_of(speed, file).items():
-                    file[column][np.unravel_index(scene, (2, 3))] = value
-        return all_tiles
+        leave_out(self.path("partial.h5"), done, junk=99)
+        return list(self.tiles())
 
     def open_quietly(self, name):
         with contextlib.redirect_stderr(io.StringIO()):
@@ -93,6 +86,11 @@ class StudyTest(ScriptTest):
 
 
 class ScenesOfStudies(StudyTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.sweep_masses()
+
     def test_a_scene_reads_as_its_own_archive(self):
         with h5py.File(self.path("study.h5")) as file:  # else this test shows little
             self.assertTrue(set(np.diff(file["r1"][...]).round(3)) >= {0.02, 0.03})
@@ -301,6 +299,11 @@ class ScenesOfStudies(StudyTest):
 
 
 class Studies(StudyTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.sweep_masses()
+
     def lines(self, figure):
         """{label: (x, y)} of the curves of a figure."""
         return {line.get_label(): line.get_data() for axes in figure.axes for line in axes.get_lines()
@@ -486,6 +489,8 @@ class Studies(StudyTest):
         self.run_script("study.py", "weaker.h5", says="weaker.h5: no scene has an optimum; no picture is drawn")
 
     def test_of_more_axes_at_most_two_are_drawn(self):
+        self.sweep("accurate", "--scene.projectile-mass", "50, 100", "--scene.counterweight-mass", "2000, 4000",
+                   "--scene.fulcrum-height", "1.5, 1.6", "--output.maps", "none", name="three", increment="0.1")
         with h5py.File(self.path("three.h5")) as file:
             best = np.unravel_index(file["best_value"][...].argmax(), file["best_value"].shape)
             height = file["fulcrum_height"][best[2]]
@@ -527,6 +532,8 @@ class Studies(StudyTest):
 
 
 class VarianceShares(StudyTest):
+    ALONE = (0, 4)
+
     def boxed(self, archive, field="speed", **ranges):
         """The box of a map that sobol.py finds."""
         return sobol.read_box(archive, field, ranges)

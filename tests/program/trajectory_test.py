@@ -1,7 +1,6 @@
 """analysis/trajectory.py: a traced swing."""
 
 import os
-import subprocess
 import unittest
 
 import numpy as np
@@ -10,7 +9,7 @@ from scripts import DESIGN, LABORATORY, LABORATORY_DESIGN, ScriptTest
 import trajectory
 from archives import h5py
 from picture import plt
-from support import PROGRAM, REPOSITORY
+from support import REPOSITORY
 
 
 class Swings(ScriptTest):
@@ -92,9 +91,8 @@ class Swings(ScriptTest):
                 path = self.trace("--flight", *options, job=job, design=design)
                 rows = trajectory.read_rows(path, trajectory.FLIGHT_COLUMNS).rows
                 lattice = [word.replace("--", "--lattice.") for word in design]
-                subprocess.run([PROGRAM, "sweep", os.path.join(REPOSITORY, job), *options, *lattice,
-                                "--output.fields", "range, apex", "--output.file", self.path("r.h5"),
-                                "--overwrite"], check=True, capture_output=True, timeout=120)
+                self.run_program("sweep", os.path.join(REPOSITORY, job), *options, *lattice, "--output.fields",
+                                 "range, apex", "--output.file", "r.h5", "--overwrite")
                 with h5py.File(self.path("r.h5")) as file:
                     self.assertAlmostEqual(rows["x3"][-1], file["range"][0, 0, 0], places=6)
                     self.assertAlmostEqual(np.ptp(rows["y3"]), file["apex"][0, 0, 0], places=3)
