@@ -47,6 +47,7 @@ Table read_trace(const Job& job, std::optional<double> interval = {},
   while (std::getline(lines, table.header) && table.header.starts_with('#'))
     table.comments.push_back(table.header);
   for (std::string line; std::getline(lines, line);) {
+    REQUIRE(line[0] != '#');
     std::istringstream names(table.header), values(line);
     std::map<std::string, double> row;
     std::string name;

@@ -40,16 +40,6 @@ class Assess(CommandTest):
         speeds = [table.split("Errors of each")[0] for table in tables]  # the reference speeds
         self.assertEqual(len(set(speeds)), 3)
 
-    def test_without_scenes_the_jobs_own_scene_is_assessed(self):
-        done = self.run_program("assess", self.job, *SMALL_ASSESSMENT, ranks=2)
-        self.assertIn("scene job", done.stdout)
-
-    def test_a_sweep_and_an_assessment_of_a_job_have_archives_of_their_own(self):
-        done = self.run_program("assess", self.job, *SMALL_ASSESSMENT)
-        self.assertIn("archive   job-assess.h5", done.stdout)
-        self.run_program("sweep", self.job, *SMALL_ASSESSMENT[-2:])
-        self.assertEqual(sorted(os.listdir(self.directory)), ["job-assess.h5", "job.cfg", "job.h5"])
-
     def test_sweeps_and_assessments_do_not_replace_each_other(self):
         file, lattice = ("--output.file", "job.h5"), SMALL_ASSESSMENT[-2:]
         self.run_program("assess", self.job, *SMALL_ASSESSMENT, *file)
@@ -59,20 +49,17 @@ class Assess(CommandTest):
         self.assertIn("complete archive of this job", done.stderr)
         self.assert_refused(["assess", self.job, *SMALL_ASSESSMENT, *file], "job.h5", "already exists")
 
-    def test_an_assessment_does_not_replace_an_unfinished_sweep(self):
-        self.run_program("sweep", self.job, *COARSE, "--output.file", "job-assess.h5", "--time-limit", "1e-9", code=75)
-        self.assert_refused(["assess", self.job, *SMALL_ASSESSMENT, "--overwrite"], "unfinished sweep")
-
-    def test_info_describes_an_assessment(self):
+    def test_the_jobs_own_scene_is_assessed_into_an_archive_of_its_own(self):
         os.symlink("far.h5", self.path("job-assess.h5"))
-        self.run_program("assess", self.job, *SMALL_ASSESSMENT)
+        done = self.run_program("assess", self.job, *SMALL_ASSESSMENT)
+        self.assertIn("scene job", done.stdout)
+        self.assertIn("archive   job-assess.h5", done.stdout)
         self.assertEqual(os.readlink(self.path("job-assess.h5")), "far.h5")
         text = self.run_program("info", "job-assess.h5").stdout
         for words in ("job-assess.h5, an assessment", "accuracy", "reference", "source    trebsweep", "[assess]", "assess "):
             self.assertIn(words, text)
-
-    def test_missing_scene_files_are_refused(self):
-        self.assert_refused(["assess", self.job, "--assess.scenes", "nowhere.cfg"], "nowhere.cfg")
+        self.run_program("sweep", self.job, *SMALL_ASSESSMENT[-2:])
+        self.assertEqual(sorted(os.listdir(self.directory)), ["far.h5", "job-assess.h5", "job.cfg", "job.h5"])
 
     def test_a_sweep_meets_its_target_error(self):
         job = self.write("target.cfg", "[solver]\nstepper = dopri5\ntarget-error = 1e-5\n")

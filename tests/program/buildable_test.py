@@ -9,6 +9,7 @@ from collections import namedtuple
 import h5py
 import numpy as np
 
+from commands import read_trace
 from support import JOBS, DirectoryTest
 
 AXES = ("r1", "r3", "r2")
@@ -68,8 +69,7 @@ class RandomMachines(DirectoryTest):
         """In the rows of its trace, which are returned, nothing is below the ground, and the sling pulls."""
         lengths = [f"--{axis}={design[axis]!r}" for axis in AXES]
         trace = self.run_program("trace", self.job, *lengths, "--interval", "2e-4").stdout
-        comments = dict(line[2:].split(" = ") for line in trace.splitlines() if line.startswith("# "))
-        rows = np.genfromtxt([line for line in trace.splitlines() if not line.startswith("# ")], names=True)
+        comments, rows = read_trace(trace)
         rows = rows[rows["t"] <= float(comments["release-time"]) * (1 + 1e-12)]
         flies = rows["t"] > float(comments.get("lift-off-time", -1))
         ground = -machine.height - 1e-6

@@ -14,9 +14,11 @@ SMALL_ASSESSMENT = ("--assess.steppers", "euler, dopri5, rosenbrock4", "--assess
 DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
 
 
-def table_of(text):
-    """The rows of a trace below its comments, which numpy would take for the header."""
-    return np.genfromtxt([line for line in text.splitlines() if line[0] != "#"], names=True)
+def read_trace(text):
+    """The comments of a trace, {key: text}, and its rows, an array with the names of the columns."""
+    lines = text.splitlines()
+    comments = dict(line[2:].split(" = ") for line in lines if line.startswith("# "))
+    return comments, np.genfromtxt([line for line in lines if line[0] != "#"], names=True)
 
 
 def wide_kernels():
@@ -39,8 +41,7 @@ class CommandTest(DirectoryTest):
         done = self.run_program(*arguments, code=2)
         self.assertEqual(done.stdout, "")
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-        for word in ("trebsweep: ", *words):
-            self.assertIn(word, done.stderr)
+        self.assert_one_message(done.stderr, *words)
         self.assertEqual(self.snapshot(), before)
 
     def redirected(self, redirection, *command, code=0):

@@ -9,6 +9,7 @@ import subprocess
 import time
 import unittest
 
+from commands import read_trace
 from support import JOBS, MPIEXEC, PROGRAM, REPOSITORY, DirectoryTest
 
 RECORDS_CALL = """#!/usr/bin/env bash
@@ -215,9 +216,8 @@ class Run(DirectoryTest):
         report = self.read("results/paper-optimum.txt").decode()
         self.assertIn(report, done.stdout)
         found = re.search(r"^optimum +speed ([\d.]+) m/s", report, re.MULTILINE)
-        header, *rows = [line.split() for line in self.read("results/paper-swing.txt").decode().splitlines()
-                         if not line.startswith("#")]
-        self.assertAlmostEqual(float(rows[-1][header.index("speed")]), float(found[1]), places=6)
+        _, rows = read_trace(self.read("results/paper-swing.txt").decode())
+        self.assertAlmostEqual(rows["speed"][-1], float(found[1]), places=6)
         for picture in ("paper.png", "paper-swing.png", "paper-neighbourhood.png"):
             self.assertTrue(self.read(f"results/{picture}").startswith(b"\x89PNG"))
             self.assertIn(f"results/{picture}\n", done.stdout)

@@ -7,7 +7,7 @@ import unittest
 import h5py
 import numpy as np
 
-from commands import CommandTest
+from commands import CommandTest, read_trace
 from support import JOBS
 
 
@@ -30,9 +30,7 @@ class Optimum(CommandTest):
         done = self.run_program("optimum", self.job, *options, code=1 if ranks is None else None, ranks=ranks)
         self.assertNotEqual(done.returncode, 0)
         self.assertEqual(done.stdout, "")
-        messages = [line for line in done.stderr.splitlines() if line.startswith("trebsweep: ")]
-        self.assertEqual(len(messages), 1, done.stderr)
-        self.assertIn(words, messages[0])
+        self.assert_one_message(done.stderr, words)
 
     def test_tolerances_end_at_bounds_and_constraints_and_say_which(self):
         weak = ("--optimum.subject-to", "peak-beam-stress <= 6e7", "--lattice.r1", "0.52:1:0.01")
@@ -101,8 +99,8 @@ class Optimum(CommandTest):
         job = self.write("found.cfg", found["job"])
         lengths = [f"--{name}={found[name]!r}" for name in ("r1", "r2", "r3")]
         trace = self.run_program("trace", job, *lengths, "--solver.tolerance", "1e-12").stdout
-        names, *rows = (line.split() for line in trace.splitlines() if not line.startswith("#"))
-        self.assertAlmostEqual(float(rows[-1][names.index("speed")]), found["values"]["speed"], places=8)
+        _, rows = read_trace(trace)
+        self.assertAlmostEqual(rows["speed"][-1], found["values"]["speed"], places=8)
         self.assertEqual(self.optimum(*options, ranks=2), found)
         text = self.run_program("optimum", self.job, *options).stdout
         self.assertIn(f"start-angle = {found['variables']['start-angle']:.7g} rad", text)

@@ -198,16 +198,9 @@ class ResumeTest(DirectoryTest):
             np.testing.assert_array_equal(partial[name][...][known], straight[name][...][known])
         self.assertFalse((partial["best_value"][...] > straight["best_value"][...]).any())
 
-    def assert_reported_once(self, errors, *words):
-        """The program prints exactly one message of its own, which contains the words."""
-        messages = [line for line in errors.splitlines() if line.startswith("trebsweep: ")]
-        self.assertEqual(len(messages), 1, errors)
-        for word in words:
-            self.assertIn(word, messages[0])
-
     def assert_stopped(self, launcher, errors):
         self.assertEqual(launcher.returncode, 75, errors)
-        self.assert_reported_once(errors, "; the same command")
+        self.assert_one_message(errors, "; the same command")
         self.assertFalse(os.path.exists(self.path("job.h5.partial/lock")))
 
     @staticmethod
@@ -298,13 +291,13 @@ class Stops(ResumeTest):
         def after(launcher, errors):
             self.assertIn(launcher.returncode, (1, 75), errors)
             if "trebsweep: " in errors:
-                self.assert_reported_once(errors, "; the same command")
+                self.assert_one_message(errors, "; the same command")
         for number in (signal.SIGTERM, signal.SIGINT):
             self.stop(lambda launcher, ranks, number=number: launcher.send_signal(number),
                       after=after, **default)
 
     def test_a_time_limit_stops_with_75_and_the_history_lists_each_run(self):
-        self.assert_reported_once(self.stop_partway(), "the same command continues")
+        self.assert_one_message(self.stop_partway(), "the same command continues")
         with self.snapshot() as partial:
             runs = len(partial.attrs["history"].split("\n"))
         done = self.assert_sound()
@@ -368,7 +361,7 @@ class Partials(ResumeTest):
     def assert_refused(self, code, *words, options=()):
         before = self.files()
         errors = self.run_sweep(2, *options, codes=(code,))
-        self.assert_reported_once(errors, "job.h5.partial", "--overwrite", *words)
+        self.assert_one_message(errors, "job.h5.partial", "--overwrite", *words)
         self.assertEqual(self.files(), before)
         self.assertFalse(os.path.exists(self.path("job.h5")))
 
@@ -405,7 +398,7 @@ class Partials(ResumeTest):
         before = self.files()
         for options in ((), ("--overwrite",)):
             errors = self.run_sweep(2, *options, codes=(2,))
-            self.assert_reported_once(errors, "job.h5.partial is damaged; move it away")
+            self.assert_one_message(errors, "job.h5.partial is damaged; move it away")
             self.assertEqual(self.files(), before)
 
     def test_records_that_are_damaged_are_computed_again(self):
@@ -432,7 +425,7 @@ class Partials(ResumeTest):
         shutil.rmtree(self.path("job.h5.partial"))
         os.rename(self.path("job.h5.snapshot"), self.path("job.h5"))
         before = self.read("job.h5")
-        self.assert_reported_once(self.run_sweep(2, codes=(2,)), "output.file = job.h5", "a snapshot of this job", "--overwrite")
+        self.assert_one_message(self.run_sweep(2, codes=(2,)), "output.file = job.h5", "a snapshot of this job", "--overwrite")
         self.assertEqual(self.read("job.h5"), before)
         self.assertRegex(self.info("job.h5"), r"job\.h5, a snapshot of an unfinished sweep, \d+\.\d % of the tiles done")
         self.assertIn("only complete archives are verified", self.run_program("info", "job.h5", "--verify", code=2).stderr)
@@ -457,7 +450,7 @@ class Partials(ResumeTest):
     def test_an_interrupted_overwrite_continues_without_the_option(self):
         self.run_sweep(2, "--solver.tolerance", "1e-6")
         errors = self.stop_partway(overwrite=("--overwrite",))
-        self.assert_reported_once(errors, "without --overwrite")
+        self.assert_one_message(errors, "without --overwrite")
         self.run_sweep(2)
         self.assertEqual(self.assert_complete(), 2)
 
@@ -482,8 +475,8 @@ class Partials(ResumeTest):
         self.wait_for("job.h5.partial", first)
         for options, job in (((), None), ((), "slow.cfg"), (("--overwrite",), None)):
             errors = self.run_sweep(1, *options, job=job, codes=(2,))
-            self.assert_reported_once(errors, "output.file = job.h5: another run is writing it",
-                                  f"process {ranks_of(first)[0]}")
+            self.assert_one_message(errors, "output.file = job.h5: another run is writing it",
+                                    f"process {ranks_of(first)[0]}")
         self.assertIn("being written by process", self.info("job.h5"))
         first.send_signal(signal.SIGUSR1)
         self.finish(first, codes=(75,))
@@ -512,7 +505,7 @@ class Partials(ResumeTest):
 
 class Faults(ResumeTest):
     def assert_failed(self, errors, *words, options=()):
-        self.assert_reported_once(errors, *words)
+        self.assert_one_message(errors, *words)
         self.assert_sound(options)
 
     def limited(self, ranks, kilobytes):
@@ -541,8 +534,8 @@ class Faults(ResumeTest):
         with open(self.path(name), "r+b") as journal:
             journal.seek(500)
             journal.write(b"damage")
-        self.assert_reported_once(self.finish(launcher, codes=(1,)), "a journal in job.h5.partial is damaged",
-                                  "the same command computes again")
+        self.assert_one_message(self.finish(launcher, codes=(1,)), "a journal in job.h5.partial is damaged",
+                                "the same command computes again")
         for output in ("job.h5", "again.h5"):
             self.finish(self.launch(2, job=job, output=output))
         self.assertEqual(differences(self.path("job.h5"), self.path("again.h5")), [])
@@ -558,7 +551,7 @@ class Faults(ResumeTest):
 
     def test_a_file_size_limit_below_the_known_size_is_reported_at_once(self):
         errors = self.run_sweep(0, codes=(2,), launcher=self.limited(2, 14000))
-        self.assert_reported_once(errors, "needs at least 15.97 MB", "ulimit -f", "14.34 MB", "output.storage = float32")
+        self.assert_one_message(errors, "needs at least 15.97 MB", "ulimit -f", "14.34 MB", "output.storage = float32")
         self.assertEqual(self.leftovers(), [])
 
     def test_a_full_disk_is_reported_and_the_sweep_continues_later(self):
@@ -571,9 +564,9 @@ class Faults(ResumeTest):
         try:
             file = os.path.join(disk, "job.h5")
             errors = self.run_sweep(2, output=file, codes=(2,))
-            self.assert_reported_once(errors, f"output.file = {file}: needs at least 31.8 MB",
-                                      " bytes) are available in ", "output.maps = none", "output.storage",
-                                      "output.fields", "output.compression", "lattice.increment")
+            self.assert_one_message(errors, f"output.file = {file}: needs at least 31.8 MB",
+                                    " bytes) are available in ", "output.maps = none", "output.storage",
+                                    "output.fields", "output.compression", "lattice.increment")
             self.assertEqual(os.listdir(disk), [])
             # Something else fills the disk.
             limit = 0.9 * self.sweep_seconds[()]
@@ -582,7 +575,7 @@ class Faults(ResumeTest):
             with open(os.path.join(disk, "other"), "wb") as other:
                 other.write(bytes(35 << 20))
             errors = self.run_sweep(2, "--time-limit", f"{limit:.4f}", output=file, codes=(1,))
-            self.assert_reported_once(errors, "whose disk has no space left", "the same command will continue")
+            self.assert_one_message(errors, "whose disk has no space left", "the same command will continue")
             os.remove(other.name)
             self.run_sweep(2, output=file)
             shutil.move(file, self.path("job.h5"))

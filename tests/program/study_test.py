@@ -263,7 +263,7 @@ class Stops(resume_test.ResumeTest):
 
     def continue_with_limits(self, options):
         """Stops a study by its time limit, checks its description, and continues it in slices of time to its end."""
-        self.assert_reported_once(self.stop_partway(*options), "the same command continues")
+        self.assert_one_message(self.stop_partway(*options), "the same command continues")
         self.assert_sound(options)
         text = self.run_program("info", "job.h5").stdout
         self.assertRegex(text, r"job\.h5\.partial, unfinished, \d+\.\d % of the tiles done; interrupted: run the command")
@@ -303,7 +303,7 @@ class Stops(resume_test.ResumeTest):
                                     ("--solver.check=no", "yes", "no")):  # decides whether optima have an error
             key = option[2:].split("=")[0]
             errors = self.run_sweep(2, option, codes=(2,))
-            self.assert_reported_once(errors, "job.h5.partial", f"{key} = {there} there, {here} here")
+            self.assert_one_message(errors, "job.h5.partial", f"{key} = {there} there, {here} here")
             self.assertEqual(self.files(), before)
 
 

@@ -57,6 +57,13 @@ class DirectoryTest(unittest.TestCase):
         with open(cls.path(name), "rb") as file:
             return file.read()
 
+    def assert_one_message(self, stderr, *words):
+        """The program prints exactly one message of its own, which contains the words."""
+        messages = [line for line in stderr.splitlines() if line.startswith("trebsweep: ")]
+        self.assertEqual(len(messages), 1, stderr)
+        for word in words:
+            self.assertIn(word, messages[0])
+
     def run_command(self, *command, code=0, timeout=120, **variables):
         """Runs a command to its end. `code` is the expected exit code, None for any; `variables` are added to
         the environment."""

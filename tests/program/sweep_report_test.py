@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy as np
 
-from commands import COARSE, CommandTest, table_of
+from commands import COARSE, CommandTest, read_trace
 from support import JOBS
 
 
@@ -63,8 +63,7 @@ class Buildable(CommandTest):
     def assert_described(self, line, design, *scene):
         """The line names the bodies and tensions that the rows of the design's trace have below zero."""
         done = self.run_program("trace", self.job, *scene, *design, "--interval", "1e-4")
-        comments = dict(re.findall(r"^# (\S+) = (\S+)$", done.stdout, re.MULTILINE))
-        rows = table_of(done.stdout)
+        comments, rows = read_trace(done.stdout)
         rows["y3"][rows["t"] < float(comments["lift-off-time"])] = 0
         heights = {body: rows[column].min() + 1.1 for body, column in self.BODIES.items()}
         below = re.findall(r"(the [a-z' ]+) reaches (\S+) m below the ground", line)
