@@ -21,14 +21,16 @@ from support import PROGRAM
 
 class Heatmaps(PictureTest):
     def test_heatmaps_are_drawn_of_every_field(self):
+        save = plt.Figure.savefig
+
         def save_small(figure, file, **options):
             save(figure, file, **{**options, "dpi": 40})
 
-        save = plt.Figure.savefig
         for archive, field in (*(("loads", field) for field in FIELDS.split(", ")),
                                *(("laboratory", field) for field in LABORATORY_FIELDS.split(", "))):
             command = ["heatmap.py", self.path(f"{archive}.h5"), "--field", field]
-            with unittest.mock.patch("sys.argv", command), unittest.mock.patch.object(plt.Figure, "savefig", save_small), \
+            with unittest.mock.patch("sys.argv", command), \
+                    unittest.mock.patch.object(plt.Figure, "savefig", save_small), \
                     contextlib.redirect_stdout(io.StringIO()), \
                     contextlib.redirect_stderr(io.StringIO()) as errors:
                 heatmap.main()

@@ -372,7 +372,8 @@ class Partials(ResumeTest):
                             options=("--scene.gravity", "9.81", "--lattice.r1", "1"))
         self.assert_refused(2, "output.fields = speed, release-time, status there, speed here",
                             options=("--output.fields", "speed"))
-        self.assert_refused(2, "(optimum.objective = speed there, range here)", options=("--optimum.objective", "range"))
+        self.assert_refused(2, "(optimum.objective = speed there, range here)",
+                            options=("--optimum.objective", "range"))
         self.assert_refused(2, "(optimum.subject-to = none there, speed <= 10 here)",
                             options=("--optimum.subject-to", "speed <= 10"))
 
@@ -425,7 +426,8 @@ class Partials(ResumeTest):
         shutil.rmtree(self.path("job.h5.partial"))
         os.rename(self.path("job.h5.snapshot"), self.path("job.h5"))
         before = self.read("job.h5")
-        self.assert_one_message(self.run_sweep(2, codes=(2,)), "output.file = job.h5", "a snapshot of this job", "--overwrite")
+        self.assert_one_message(self.run_sweep(2, codes=(2,)), "output.file = job.h5", "a snapshot of this job",
+                                "--overwrite")
         self.assertEqual(self.read("job.h5"), before)
         self.assertRegex(self.info("job.h5"), r"job\.h5, a snapshot of an unfinished sweep, \d+\.\d % of the tiles done")
         self.assertIn("only complete archives are verified", self.run_program("info", "job.h5", "--verify", code=2).stderr)

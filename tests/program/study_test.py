@@ -107,7 +107,8 @@ class Slices(DirectoryTest):
 
     def test_without_maps_it_has_the_refined_optimum_of_each_sweep_on_any_number_of_ranks(self):
         for ranks in (3, 2, 1):
-            sweep = self.run_program("sweep", "study.cfg", *QUIET, *NO_MAPS, "--output.file", f"none{ranks}.h5", ranks=ranks)
+            sweep = self.run_program("sweep", "study.cfg", *QUIET, *NO_MAPS, "--output.file", f"none{ranks}.h5",
+                                     ranks=ranks)
             self.assertEqual(differences(self.path(f"none{ranks}.h5"), self.path("none3.h5")), [])
         with h5py.File(self.path("none1.h5")) as study:
             self.assertEqual([name for name in self.FIELDS if name in study], [])
