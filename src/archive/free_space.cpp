@@ -4,7 +4,6 @@
 #include <sys/resource.h>
 
 #include <limits>
-#include <stdexcept>
 
 #include "trebsweep/archive/output_file.hpp"
 #include "trebsweep/archive/regular_file.hpp"

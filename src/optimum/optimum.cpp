@@ -7,6 +7,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <ranges>
 #include <utility>
 
 #include "trebsweep/base/mpi.hpp"
@@ -94,31 +95,35 @@ ProblemOptimum take_best(const DesignProblem& problem, const Search& search,
 std::vector<Parameters> better_starts(const DesignProblem& problem,
                                       const std::vector<Parameters>& starts, double value,
                                       std::uint64_t& integrated) {
-  std::vector<Parameters> better;
-  for (const Parameters& start : starts) {
-    const MatrixXd values = values_at(problem, start);
-    if (are_feasible(values) && values(0) * problem.scales.front() > value) better.push_back(start);
-  }
+  MatrixXd all(problem.space.size(), std::ssize(starts));
+  for (Index i = 0; i < all.cols(); ++i) all.col(i) = starts[static_cast<std::size_t>(i)];
   integrated += starts.size();
+  const MatrixXd values = values_at(problem, all);
+  std::vector<Parameters> better;
+  for (Index i = 0; i < all.cols(); ++i)
+    if (are_feasible(values.col(i)) && values(0, i) * problem.scales.front() > value)
+      better.push_back(all.col(i));
   return better;
 }
 
 /// Replaces the optimum by the best safe design, if it is not safe itself: one of the other local
-/// maxima, or the best safe design near a better one, or near a better start. Throws NoOptimum if
-/// none is found. Collective.
+/// maxima, or the best safe design near a better one, near one where a search has stopped, or near
+/// a better start. Throws NoOptimum if none is found. Collective.
 void take_safe(const Job& job, const DesignProblem& problem, const std::vector<Parameters>& starts,
                ProgressStyle style, MPI_Comm comm, OptimumResult& result) {
   constexpr std::size_t most = 12;  // maxima to search around
   const double deviation = job.optimum.deviation;
   const auto is_safe = [&](const LocalMaximum& m) {
+    ++result.designs;
     return are_feasible(values_at(problem, m.parameters)) &&
            are_safe(problem, m.parameters, deviation, result.designs);
   };
   if (is_safe(result.maxima.front())) return;
   result.unsafe = {result.parameters, result.value};
   std::optional<LocalMaximum> best;
-  for (const LocalMaximum& m : result.maxima)
-    if (!best && m.converged && is_safe(m)) best = m;
+  std::size_t tried = 0;
+  for (const LocalMaximum& m : result.maxima | std::views::drop(1))
+    if (!best && m.converged && tried++ < most && is_safe(m)) best = m;
   const auto search_safe = [&](const Parameters& start, std::uint64_t& integrated) {
     const auto safe = safe_parameters_near(problem, start, deviation, integrated);
     if (!safe) return ProblemOptimum{{VectorXd::Zero(0), 0, HUGE_VAL}, false, {}};
@@ -132,11 +137,11 @@ void take_safe(const Job& job, const DesignProblem& problem, const std::vector<P
     const LocalMaximum first = distinct({found.front()}, problem).front();
     if (first.value > value_of_best()) best = first;
   };
-  std::vector<Parameters> better_maxima;
+  std::vector<Parameters> others;
   for (const LocalMaximum& m : result.maxima)
-    if (m.value > value_of_best() && better_maxima.size() < most)
-      better_maxima.push_back(m.parameters);
-  search_all(better_maxima);
+    if ((m.value > value_of_best() || !m.converged) && others.size() < most)
+      others.push_back(m.parameters);
+  search_all(others);
   search_all(better_starts(problem, starts, value_of_best(), result.designs));
   if (!best)
     throw NoOptimum(fmt::format(

@@ -76,7 +76,7 @@ Index largest_change(Index function, const VectorXd& values) {
 bool jumps(const DesignProblem& problem, const Parameters& parameters, double magnitude,
            const Change& change, std::uint64_t& integrated) {
   constexpr int rounds = 10;
-  constexpr Index parts = 8;  // fill the lanes
+  constexpr Index parts = 9;  // whose inner ends fill the lanes
   double low = 0, width = 1;
   VectorXd values(parts + 1);
   values << change.here, VectorXd::Zero(parts - 1), change.there;
@@ -170,8 +170,9 @@ MatrixXd around(const DesignProblem& problem, const Parameters& parameters, doub
   Parameters reach = Parameters::Zero(parameters.size());
   reach(problem.free) = multiple * tolerated(problem.space, parameters, deviation)(problem.free);
   const MatrixXd far = reach.asDiagonal() * directions(parameters.size());
-  constexpr Index within = 96;   // the sides of the variables are few
-  constexpr Index of_scene = 8;  // designs, which fill the lanes
+  constexpr Index within = 96;  // the sides of the variables are few
+  // Designs of one scene, which fill the lanes.
+  const Index of_scene = (reach.head(length_count).array() > 0).any() ? 8 : 1;
   MatrixXd by(parameters.size(), far.cols() + (has_variables ? within : 0));
   by.leftCols(far.cols()) = far;
   if (has_variables) {
@@ -218,9 +219,9 @@ bool are_safe(const DesignProblem& problem, const Parameters& parameters, double
   if (others.hasNaN()) return false;
   for (Index i = 0; i < others.cols(); ++i)
     for (Index f = 0; f < others.rows(); ++f) {
-      const Change change{f, away.col(i), values(f, 0), others(f, i)};
-      if (differ(f, change.here, change.there, magnitude) &&
-          jumps(problem, parameters, magnitude, change, integrated))
+      const double here = values(f, 0), there = others(f, i);
+      if (differ(f, here, there, magnitude) &&
+          jumps(problem, parameters, magnitude, {f, away.col(i), here, there}, integrated))
         return false;
     }
   return true;

@@ -1,4 +1,5 @@
-// Initializes MPI before the first test of a program and finalizes it after the last one.
+// Initializes MPI before the first test of a program and finalizes it after the last one. Each rank
+// returns its own failures; mpirun fails if any rank does.
 
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>

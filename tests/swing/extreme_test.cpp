@@ -96,6 +96,16 @@ TEST_CASE("Speeds scale with the square root of gravity, times with its inverse"
   }
 }
 
+TEST_CASE("With a projectile of 1 mg the beam is a physical pendulum") {
+  const Job job = extreme("light_projectile");
+  const Mechanism<double> mechanism(job.scene, design_of(job));
+  const double torque = job.scene.gravity * mechanism.moment(), inertia = mechanism.inertia();
+  const double angle = start<double>(job.scene, design_of(job))[phi1];
+  const double k = std::sin((boost::math::double_constants::pi - angle) / 2);
+  CHECK(integrate_one("light_projectile").release_time ==
+        Approx(boost::math::ellint_1(k) / std::sqrt(torque / inertia)).epsilon(1e-8));
+}
+
 TEST_CASE("Near the upright position, the release is delayed by the logarithm of the distance") {
   const Job job = extreme("upright_1nm");
   const auto spectrum = spectra(job.scene, design_of(job), job.solver).front();

@@ -193,6 +193,13 @@ TEST_CASE("Energy stays constant to the tolerance over a long swing") {
   }
 }
 
+TEST_CASE("A swing in double precision agrees with extended precision") {
+  const Reference truth = reference(Scene{}, paper_optimum, tight);
+  const auto result = swing_of(Scene{}, paper_optimum, tight);
+  CHECK(result.t == Approx(static_cast<double>(truth.release_time)).epsilon(1e-13));
+  CHECK(result.speed == Approx(truth.speed).epsilon(1e-12));
+}
+
 TEST_CASE("The located release converges with order 1 for euler and 4 for rk4") {
   const double truth = swing_of(Scene{}, paper_optimum, tight).speed;
   const auto error = [&](const std::string& stepper, double step) {
@@ -230,6 +237,12 @@ TEST_CASE("A step budget ends a swing as step_budget") {
     CHECK(result.status == Status::step_budget);
     CHECK(result.steps == 7);
   }
+}
+
+TEST_CASE("A window narrower than a step may be stepped over") {
+  Solver solver = paper_solver();
+  solver.release_window = 1e-6;
+  CHECK(swing_of(Scene{}, paper_optimum, solver).status == Status::not_released);
 }
 
 TEST_CASE("A state that overflows has status non_finite and no speed") {

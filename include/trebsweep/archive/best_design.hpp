@@ -29,7 +29,8 @@ struct BestDesign {
   bool exists() const { return !std::isnan(value); }
 };
 
-/// The better of two; if both are equally good, the first in the lattice.
+/// The better of two, a reference to one of them; if both are equally good, the first in the
+/// lattice.
 const BestDesign& better(const BestDesign& a, const BestDesign& b);
 
 /// The number of the scene with the best design, the first of equal ones; nothing if none has one.

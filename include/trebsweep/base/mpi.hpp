@@ -51,7 +51,7 @@ void merge(std::span<Value> values, MPI_Comm comm) {
                 MPI_BOR, comm);
 }
 
-/// Element-wise operation(a, b) of the arrays of all ranks, on all ranks; it is commutative.
+/// Element-wise operation(a, b), a commutative function, of the arrays of all ranks, on all ranks.
 /// Collective.
 template <auto operation, class Value>
 void combine(std::span<Value> values, MPI_Comm comm) {
