@@ -172,8 +172,8 @@ class PageTest(DirectoryTest):
         return text
 
     def open_files(self, files):
-        """Opens job files, pairs of name and text, one after the other, as if they were chosen. Returns the notices when
-        the page has taken or refused them."""
+        """Opens job files, pairs of name and text, one after the other, as if they were chosen. Returns the notices
+        when the page has taken or refused them."""
         return self.browser.execute_async_script(f"{AT} const [files, done] = arguments;" + """(async () => {
             const notices = [];
             for (const [name, text] of files) {

@@ -226,20 +226,27 @@ class Jobs(PageTest):
         names = self.script("return [...document.getElementById('preset').options].map(option => option.value)"
                             ".filter(name => name)")
         self.assertEqual(len(names), len(os.listdir(f"{JOBS}/scenes")) + 1)
+        # These have a design at once; in others the crosshair can wait for the best one. In backyard, beams stick, and
+        # siege has a trough: all their pictures and searches shall end.
+        with_design = ("appendix_c", "friction", "heavy_sling", "lab", "laboratory", "prism", "siege_fixed")
         for name in names:
             with self.subTest(preset=name):
-                self.type("preset", name)
-                self.wait_for_pictures()
+                with self.another_swing():
+                    self.type("preset", name)
+                if name not in with_design:
+                    self.wait_for_pictures()
                 job = self.write("copied.cfg", self.copied_job())
-                row, _ = self.traced(job, design=self.design())
+                design = self.design()
+                row, _ = self.traced(job, design=design)
                 self.assertAlmostEqual(self.number("speed"), row["speed"], delta=TOLERANCE)
                 self.run_program("sweep", job, "--overwrite", "--output.file", self.path("copied.h5"),
-                                 "--lattice.increment", "0.1", "--solver.check", "no")
+                                 "--lattice.increment", "0.1", "--lattice.r1", str(design["r1"]),
+                                 "--solver.check", "no")
 
     def test_the_copied_job_is_on_the_clipboard(self):
         self.browser.execute_cdp_cmd("Browser.grantPermissions", {
             "permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"]})
-        self.open({"scene.projectile-mass": "42"})
+        self.open({"scene.projectile-mass": "42"}, pictures=False)
         shown = self.copied_job()
         self.wait(lambda: self.text("copied") == "The text is on the clipboard:")
         self.assertIn("projectile-mass = 42", shown)
@@ -248,9 +255,9 @@ class Jobs(PageTest):
 
     def test_a_job_file_is_opened(self):
         self.open()
-        self.find("file").send_keys(f"{JOBS}/lab.cfg")
-        self.wait(lambda: self.find("scene.projectile-mass").get_property("value") == "0.717")
-        self.wait_for_pictures()
+        with self.another_swing():
+            self.find("file").send_keys(f"{JOBS}/lab.cfg")
+            self.wait(lambda: self.find("scene.projectile-mass").get_property("value") == "0.717")
         self.assertEqual(self.design(), {"r1": 0.25, "r3": 0.87, "r2": 0.975})
         self.assertAlmostEqual(self.number("range"), 42.83, delta=0.01)
         self.find("file").send_keys(self.write("wrong.cfg", "[scene]\ngravity = -9.8\n"))
@@ -268,7 +275,7 @@ class Jobs(PageTest):
         self.assertEqual(self.text("notice"), "")
 
     def test_an_opened_job_replaces_the_text_of_the_focused_field(self):
-        self.open()
+        self.open(pictures=False)
         self.find("scene.projectile-mass").send_keys("7")
         self.script("location.hash = 'scene.projectile-mass=42&r1=0.6&r3=0.5&r2=0.8'")
         self.wait(lambda: self.find("scene.projectile-mass").get_property("value") == "42")
@@ -287,21 +294,22 @@ class Jobs(PageTest):
         handled = [False, False]  # by the page: the browser does not leave it to show the file
         self.assertEqual(self.script(drop, ""), handled)
         self.assertEqual(self.text("notice"), "")
-        with open(f"{JOBS}/lab.cfg", encoding="utf-8") as file:
+        with open(f"{JOBS}/lab.cfg", encoding="utf-8") as file, self.another_swing():
             self.assertEqual(self.script(drop, file.read()), handled)
-        self.wait(lambda: self.find("scene.projectile-mass").get_property("value") == "0.717")
-        self.wait_for_pictures()
+            self.wait(lambda: self.find("scene.projectile-mass").get_property("value") == "0.717")
         self.assertAlmostEqual(self.number("range"), 42.83, delta=0.01)
 
     def test_the_address_keeps_scene_design_and_pinned_design(self):
         self.open({"scene.projectile-mass": "50"}, {"r1": "0.6", "r3": "0.5", "r2": "0.8"}, field="range")
         self.find("pin").click()
-        self.type("scene.projectile-mass", "80")
-        self.wait_for_pictures()
+        self.wait(lambda: self.text("pinned.speed"))
+        with self.another_swing():
+            self.type("scene.projectile-mass", "80")
         values = self.number("speed"), self.text("pinned.speed")
         self.wait(lambda: "projectile-mass=80" in self.browser.current_url)
         address = self.browser.current_url
-        self.load(address.partition("#")[2])
+        self.load(address.partition("#")[2], pictures=False)
+        self.wait(lambda: self.text("pinned.speed"))
         self.assertEqual((self.number("speed"), self.text("pinned.speed")), values)
         self.assertNotEqual(self.text("readout.speed"), self.text("pinned.speed"))
         self.assertEqual(self.find("field").get_property("value"), "range")
@@ -326,26 +334,28 @@ class Jobs(PageTest):
         self.assertEqual(self.design(), {"r1": 0.6, "r3": 0.58, "r2": 0.91})
         self.assertIsNone(self.text("pinned.speed"))
 
-    def test_keys_that_the_page_does_not_use_are_named(self):
-        self.open()
-        self.open_file("own.cfg", "[scene]\nfile = ../scenes/wood.cfg\n"
-                                  "[solver]\ncheck = no\n[optimum]\nsubject-to = range >= 10\nrobust = no\n")
-        self.assertEqual(self.text("notice"), "own.cfg: not used by the explorer: optimum.subject-to = range >= 10")
-        self.assertEqual(self.find("scene.beam-density").get_property("value"), "700")
-
-    def test_a_scene_that_the_page_does_not_have_is_refused(self):
-        self.open()
-        self.open_file("own.cfg", "[scene]\nfile = mine/wood.cfg\n")
-        self.assertEqual(self.text("notice"),
-                         "own.cfg: scene.file = mine/wood.cfg: cannot be read by the page, which has the scenes of "
-                         "jobs/scenes alone; open that file itself, or copy its keys to [scene] of this one")
+    def test_what_the_page_does_not_use_or_refuses_is_named(self):
+        notices = {
+            "[scene]\nfile = ../scenes/wood.cfg\n"
+            "[solver]\ncheck = no\n[optimum]\nsubject-to = range >= 10\nrobust = no\n":
+                "not used by the explorer: optimum.subject-to = range >= 10",
+            "[scene]\nfile = mine/wood.cfg\n":
+                "scene.file = mine/wood.cfg: cannot be read by the page, which has the scenes of jobs/scenes alone; "
+                "open that file itself, or copy its keys to [scene] of this one",
+            "[scene]\ngravity = 9\0": "is not a text file"}
+        self.open(pictures=False)
+        for n, (text, notice) in enumerate(notices.items()):
+            with self.subTest(text=text):
+                self.assertEqual(self.open_file(f"own{n}.cfg", text), f"own{n}.cfg: {notice}")
+                self.assertEqual(self.find("scene.beam-density").get_property("value"), "700")  # of wood
+        self.assertTrue(self.refusal("own2.cfg").startswith("is not a text file"))
 
     def test_the_first_scene_of_a_study_is_shown_and_copied(self):
-        self.open()
-        self.open_file("study.cfg", "[scene]\nprojectile-mass = 100, 50\ngravity = 9.7 : 9.8 : 0.05\n"
-                                    "projectile-diameter = 0.3, 0\nwind = 5\n")
-        self.assertEqual(self.text("notice"), "study.cfg: the first scene of a study, with gravity = 9.7 m/s^2, "
-                                              "projectile-mass = 50 kg, projectile-diameter = 0 m")
+        self.open(pictures=False)
+        notice = self.open_file("study.cfg", "[scene]\nprojectile-mass = 100, 50\ngravity = 9.7 : 9.8 : 0.05\n"
+                                             "projectile-diameter = 0.3, 0\nwind = 5\n")
+        self.assertEqual(notice, "study.cfg: the first scene of a study, with gravity = 9.7 m/s^2, "
+                                 "projectile-mass = 50 kg, projectile-diameter = 0 m")
         self.assertEqual(self.find("scene.projectile-mass").get_property("value"), "50")
         job = self.copied_job()
         self.assertIn("projectile-mass = 50\n", job)
@@ -356,9 +366,9 @@ class Jobs(PageTest):
         import h5py
         keys = lambda text: {line.strip() for line in text.splitlines()  # noqa: E731
                              if line.strip() and not line.startswith("#")}
-        self.open()
-        self.open_file("every.cfg", EVERY_SECTION)
-        self.assertEqual(self.text("notice").count(" = "), 6, self.text("notice"))
+        self.open(pictures=False)
+        notice = self.open_file("every.cfg", EVERY_SECTION)
+        self.assertEqual(notice.count(" = "), 6, notice)
         self.assertEqual(self.text("solver.release.why"), "The page computes crossing, at phi1 = pi, instead.")
         copied = self.copied_job()
         self.assertEqual(keys(copied), keys(EVERY_SECTION))
@@ -375,7 +385,7 @@ class Jobs(PageTest):
             self.assertEqual(archive.attrs["job"], first)
 
     def test_an_output_that_the_scene_no_longer_has_is_left_out(self):
-        self.open()
+        self.open(pictures=False)
         self.open_file("hung.cfg", "[scene]\ncounterweight-hanger = 0.2\n[output]\nfields = peak-hanger-tension\n")
         self.assertIn("fields = peak-hanger-tension", self.copied_job())
         self.type("scene.counterweight-hanger", "0")
@@ -389,29 +399,29 @@ class Jobs(PageTest):
         self.assertIn("fields = peak-hanger-tension", self.copied_job())
 
     def test_a_quantity_returns_with_its_hanger(self):
-        self.open({"scene.counterweight-hanger": "0.2"}, field="peak-hanger-tension")
+        self.load(self.address({"scene.counterweight-hanger": "0.2"}, field="peak-hanger-tension"), pictures=False)
         chosen = lambda: self.find("field").get_property("value")  # noqa: E731
         for hanger, field in (("0", "speed"), ("0.3", "peak-hanger-tension")):
-            self.type("scene.counterweight-hanger", hanger)
-            self.wait_for_pictures()
+            with self.another_swing():
+                self.type("scene.counterweight-hanger", hanger)
             self.assertEqual(chosen(), field)
 
     def test_a_reload_right_after_an_edit_keeps_it(self):
-        self.open()
+        self.load(pictures=False)
         self.type("scene.gravity", "5")
         self.browser.refresh()
         self.wait(lambda: self.text("readout.status"))
         self.assertEqual(self.find("scene.gravity").get_property("value"), "5")
 
     def test_an_opened_file_stays_in_the_list_of_scenes(self):
-        self.open()
+        self.open(pictures=False)
         self.open_file("own.cfg", "[scene]\nprojectile-mass = 77\n")
         self.type("preset", "siege")
         self.type("preset", "own.cfg")
         self.assertEqual(self.find("scene.projectile-mass").get_property("value"), "77")
 
     def test_a_preset_is_no_longer_named_after_an_edit(self):
-        self.open()
+        self.open(pictures=False)
         preset = lambda: self.find("preset").get_property("value")  # noqa: E731
         self.assertEqual(preset(), "paper")
         self.type("preset", "wood")
@@ -838,12 +848,6 @@ class Mistakes(PageTest):
                 self.write(name, text)
                 self.assertEqual(notice, f"{name}: {self.refusal(name)}")
         self.assertEqual((self.script("return location.hash"), self.text("headline")), before)
-
-    def test_a_file_that_is_not_a_text_is_refused(self):
-        self.open(pictures=False)
-        notice = self.open_file("binary.cfg", "[scene]\ngravity = 9\0")
-        self.assertEqual(notice, "binary.cfg: is not a text file")
-        self.assertTrue(self.refusal("binary.cfg").startswith("is not a text file"))
 
     def test_the_page_knows_the_keys_of_the_program(self):
         self.open(pictures=False)
