@@ -227,9 +227,9 @@ class Jobs(PageTest):
         names = self.script("return [...document.getElementById('preset').options].map(option => option.value)"
                             ".filter(name => name)")
         self.assertEqual(len(names), len(os.listdir(f"{JOBS}/scenes")) + 1)
-        # These have a design at once; in others the crosshair can wait for the best one. In backyard, beams stick, and
-        # siege has a trough: all their pictures and searches shall end.
-        with_design = ("appendix_c", "friction", "heavy_sling", "lab", "laboratory", "prism", "siege_fixed")
+        # These have a design at once; in others the crosshair can wait for the best one. In backyard, with a trough,
+        # beams stick: all its pictures and its search shall end.
+        with_design = ("appendix_c", "friction", "heavy_sling", "lab", "laboratory", "prism", "siege", "siege_fixed")
         for name in names:
             with self.subTest(preset=name):
                 with self.another_swing():
