@@ -197,13 +197,15 @@ class PageTest(DirectoryTest):
         """Replaces the text of a field, and restores it. Returns the messages in between, and whether the first picture
         and the headline stay."""
         return self.browser.execute_async_script(f"{TYPE} const [id, text, done] = arguments;" + """(async () => {
-            const look = () => [at('plane.0').toDataURL(), at('headline').textContent];
-            const before = look(), old = at(id).tagName === 'SELECT' ? at(id).value : '';
+            const look = async () => {
+              do await new Promise(requestAnimationFrame);
+              while (document.querySelector('main').ariaBusy !== 'false');
+              return [at('plane.0').toDataURL(), at('headline').textContent];
+            };
+            const before = await look(), old = at(id).tagName === 'SELECT' ? at(id).value : '';
             type(id, text);
-            do await new Promise(requestAnimationFrame);
-            while (document.querySelector('main').ariaBusy !== 'false');
+            const after = await look(), stays = after.map((now, i) => now === before[i]);
             const messages = [...document.querySelectorAll('.message')].map((node) => node.textContent);
-            const stays = look().map((now, i) => now === before[i]);
             type(id, old);
             done([messages.filter((message) => message), stays]);
           })();""", name, text)

@@ -836,7 +836,6 @@ class Mistakes(PageTest):
                     self.open(pictures=False)
                     for other in others:
                         self.type(*other)
-                    self.wait_for_pictures()
                 messages, stays = self.type_mistake(*last)
                 refusal = self.refused(f"{JOBS}/accurate.cfg", *(f"--{key}={value}" for key, value in mistake.items()))
                 if "must be left out" in refusal:  # as the page does
