@@ -11,7 +11,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 constexpr double default_deviation = 1e-3;  // relative
 constexpr double jump = 1e-3;               // relative to the value, or a constraint's scale
@@ -61,38 +60,21 @@ struct Change {
   double here, there;  // values at the start and the end
 };
 
-/// The number of the value along a line after which a function changes most; a missing value is
-/// beyond any difference.
-Index largest_change(Index function, const VectorXd& values) {
-  VectorXd changes = values.tail(values.size() - 1) - values.head(values.size() - 1);
-  if (function == 0) changes = changes.cwiseAbs();
-  Index largest = 0;
-  changes.unaryExpr([](double c) { return std::isnan(c) ? HUGE_VAL : c; }).maxCoeff(&largest);
-  return largest;
-}
-
-/// Whether a function jumps, rather than having a steep slope: whether it still changes by more
-/// than a jump in the last of intervals that are nested where it changes most.
+/// Whether bisection ends at a jump of a function, rather than at a steep slope.
 bool jumps(const DesignProblem& problem, const Parameters& parameters, double magnitude,
            const Change& change, std::uint64_t& integrated) {
-  constexpr int rounds = 10;
-  constexpr Index parts = 9;  // whose inner ends fill the lanes
-  double low = 0, width = 1;
-  VectorXd values(parts + 1);
-  values << change.here, VectorXd::Zero(parts - 1), change.there;
+  constexpr int rounds = 30;
+  double low = 0, high = 1, at_low = change.here, at_high = change.there;
   for (int round = 0; round < rounds; ++round) {
-    width /= parts;
-    MatrixXd between(parameters.size(), parts - 1);
-    for (Index k = 1; k < parts; ++k)
-      between.col(k - 1) = parameters + (low + static_cast<double>(k) * width) * change.towards;
-    values.segment(1, parts - 1) =
-        counted_values(problem, between, integrated).row(change.function);
-    const Index largest = largest_change(change.function, values);
-    const double before = values(largest), after = values(largest + 1);
-    if (!differ(change.function, before, after, magnitude)) return false;
-    low += static_cast<double>(largest) * width;
-    values(0) = before;
-    values(parts) = after;
+    const double middle = (low + high) / 2;
+    const double value = counted_values(problem, parameters + middle * change.towards, integrated)(
+        change.function, 0);
+    // A missing value is beyond any difference.
+    const bool below = std::isnan(value) || (!std::isnan(at_high) &&
+                                             std::abs(value - at_low) > std::abs(at_high - value));
+    (below ? high : low) = middle;
+    (below ? at_high : at_low) = value;
+    if (!differ(change.function, at_low, at_high, magnitude)) return false;
   }
   return true;
 }

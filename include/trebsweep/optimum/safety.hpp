@@ -15,8 +15,8 @@ Parameters tolerated(const DesignSpace& space, const Parameters& parameters, dou
 /// tolerated(), the objective exists and has no jump larger than 0.1 % of its magnitude, no
 /// constraint jumps from satisfied to violated by more than 0.1 % of its scale, and where one
 /// parameter is off by 0.05 %, the objective loses less than 2 %. Checked where they are off by
-/// half and by all of what is tolerated, lengths at 52 designs, and in nested intervals between
-/// these and the parameters. Adds the number of designs that it integrates to `integrated`.
+/// half and by all of what is tolerated, lengths at 52 designs, and by bisection between these and
+/// the parameters. Adds the number of designs that it integrates to `integrated`.
 bool are_safe(const DesignProblem& problem, const Parameters& parameters, double deviation,
               std::uint64_t& integrated);
 
