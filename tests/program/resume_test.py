@@ -527,7 +527,7 @@ class Faults(ResumeTest):
         self.assert_complete(COMPRESSED)
 
     def test_a_journal_that_is_damaged_during_the_sweep_is_computed_again(self):
-        job = self.write("long.cfg", "[solver]\nstepper = rk4\ntime-step = 1e-4\n[lattice]\nincrement = 0.03\n")
+        job = self.write("long.cfg", "[solver]\nstepper = rk4\ntime-step = 1e-4\n[lattice]\nincrement = 0.02\n")
         launcher = self.launch(1, job=job)
         name = "job.h5.partial/0000-00000.journal"
         self.wait_for(name, launcher)
