@@ -116,7 +116,7 @@ void take_safe(const Job& job, const DesignProblem& problem, const std::vector<P
   const auto is_safe = [&](const LocalMaximum& m) {
     ++result.designs;
     return are_feasible(values_at(problem, m.parameters)) &&
-           are_safe(problem, m.parameters, deviation, result.designs);
+           are_safe(problem, m.parameters, deviation, Accuracy::high, result.designs);
   };
   if (is_safe(result.maxima.front())) return;
   result.unsafe = {result.parameters, result.value};

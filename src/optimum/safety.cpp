@@ -37,10 +37,10 @@ Parameters sizes(const DesignSpace& space, const Parameters& parameters) {
 }
 
 /// The objective and the violations of the constraints, a column per design.
-MatrixXd counted_values(const DesignProblem& problem, const MatrixXd& parameters,
+MatrixXd counted_values(const DesignProblem& problem, const MatrixXd& parameters, Accuracy accuracy,
                         std::uint64_t& integrated) {
   integrated += static_cast<std::uint64_t>(parameters.cols());
-  MatrixXd values = values_at(problem, parameters);
+  MatrixXd values = values_at(problem, parameters, accuracy);
   auto constraints = values.bottomRows(values.rows() - 1);
   constraints = constraints.unaryExpr([](double v) { return v < 0 ? 0 : v; });  // NaN stays
   return values;
@@ -62,13 +62,13 @@ struct Change {
 
 /// Whether bisection ends at a jump of a function, rather than at a steep slope.
 bool jumps(const DesignProblem& problem, const Parameters& parameters, double magnitude,
-           const Change& change, std::uint64_t& integrated) {
+           const Change& change, Accuracy accuracy, std::uint64_t& integrated) {
   constexpr int rounds = 30;
   double low = 0, high = 1, at_low = change.here, at_high = change.there;
   for (int round = 0; round < rounds; ++round) {
     const double middle = (low + high) / 2;
-    const double value = counted_values(problem, parameters + middle * change.towards, integrated)(
-        change.function, 0);
+    const double value = counted_values(problem, parameters + middle * change.towards, accuracy,
+                                        integrated)(change.function, 0);
     // A missing value is beyond any difference.
     const bool below = std::isnan(value) || (!std::isnan(at_high) &&
                                              std::abs(value - at_low) > std::abs(at_high - value));
@@ -132,25 +132,43 @@ std::vector<Candidate> candidates(const DesignProblem& problem, const MatrixXd& 
   return found;
 }
 
-/// The best of some parameters that are safe and better than a value.
-std::optional<Candidate> best_safe(const DesignProblem& problem, const MatrixXd& parameters,
-                                   double better_than, double deviation,
-                                   std::uint64_t& integrated) {
-  for (const Candidate& candidate : candidates(problem, parameters, integrated)) {
-    if (!(candidate.objective > better_than)) break;
-    if (are_safe(problem, candidate.parameters, deviation, integrated)) return candidate;
+/// A search for a safe design.
+struct SafeSearch {
+  const DesignProblem& problem;
+  double deviation;
+  std::uint64_t integrated = 0;
+
+  bool is_exhausted() const {
+    constexpr std::uint64_t most = 30'000;
+    return integrated > most;
+  }
+};
+
+/// The best of some parameters that are safe and better than a value; nothing if the search becomes
+/// exhausted. Coarse swings, in a fifth of the time, rule out most of those that are not safe.
+std::optional<Candidate> best_safe(SafeSearch& search, const MatrixXd& parameters,
+                                   double better_than) {
+  const auto is_safe = [&](const Candidate& candidate, Accuracy accuracy) {
+    return are_safe(search.problem, candidate.parameters, search.deviation, accuracy,
+                    search.integrated);
+  };
+  for (const Candidate& candidate : candidates(search.problem, parameters, search.integrated)) {
+    if (!(candidate.objective > better_than) || search.is_exhausted()) break;
+    if (is_safe(candidate, Accuracy::coarse) && is_safe(candidate, Accuracy::high))
+      return candidate;
   }
   return std::nullopt;
 }
 
 /// Parameters around others, up to a multiple of the tolerated deviations from them; fixed ones
 /// stay.
-MatrixXd around(const DesignProblem& problem, const Parameters& parameters, double deviation,
-                double multiple) {
+MatrixXd around(const SafeSearch& search, const Parameters& parameters, double multiple) {
   const Index variables = parameters.size() - length_count;
   const bool has_variables = variables > 0;
   Parameters reach = Parameters::Zero(parameters.size());
-  reach(problem.free) = multiple * tolerated(problem.space, parameters, deviation)(problem.free);
+  const DesignProblem& problem = search.problem;
+  reach(problem.free) =
+      multiple * tolerated(problem.space, parameters, search.deviation)(problem.free);
   const MatrixXd far = reach.asDiagonal() * directions(parameters.size());
   constexpr Index within = 96;  // the sides of the variables are few
   // Designs of one scene, which fill the lanes.
@@ -181,7 +199,7 @@ Parameters tolerated(const DesignSpace& space, const Parameters& parameters, dou
 }
 
 bool are_safe(const DesignProblem& problem, const Parameters& parameters, double deviation,
-              std::uint64_t& integrated) {
+              Accuracy accuracy, std::uint64_t& integrated) {
   const Index n = parameters.size();
   const Parameters half = default_deviation / 2 * sizes(problem.space, parameters);
   const MatrixXd sides = half.asDiagonal() * MatrixXd::Identity(n, n);
@@ -194,16 +212,19 @@ bool are_safe(const DesignProblem& problem, const Parameters& parameters, double
 
   constexpr double largest_loss = 0.02;
   const double magnitude = magnitude_at(problem, parameters);
-  const MatrixXd values = counted_values(problem, near.colwise() + parameters, integrated);
+  const MatrixXd values =
+      counted_values(problem, near.colwise() + parameters, accuracy, integrated);
   if (!(values.row(0).minCoeff<Eigen::PropagateNaN>() > values(0, 0) - largest_loss * magnitude))
     return false;
-  const MatrixXd others = counted_values(problem, away.colwise() + parameters, integrated);
+  const MatrixXd others =
+      counted_values(problem, away.colwise() + parameters, accuracy, integrated);
   if (others.hasNaN()) return false;
   for (Index i = 0; i < others.cols(); ++i)
     for (Index f = 0; f < others.rows(); ++f) {
       const double here = values(f, 0), there = others(f, i);
       if (differ(f, here, there, magnitude) &&
-          jumps(problem, parameters, magnitude, {f, away.col(i), here, there}, integrated))
+          jumps(problem, parameters, magnitude, {f, away.col(i), here, there}, accuracy,
+                integrated))
         return false;
     }
   return true;
@@ -212,24 +233,22 @@ bool are_safe(const DesignProblem& problem, const Parameters& parameters, double
 std::optional<Parameters> safe_parameters_near(const DesignProblem& problem,
                                                const Parameters& parameters, double deviation,
                                                std::uint64_t& integrated) {
-  std::optional<Candidate> best = best_safe(problem, parameters, -HUGE_VAL, deviation, integrated);
-  for (const double multiple : {1.1, 2.0, 4.0, 8.0, 16.0, 40.0, 80.0}) {
-    if (best) break;
-    best = best_safe(problem, around(problem, parameters, deviation, multiple), -HUGE_VAL,
-                     deviation, integrated);
-  }
-  if (!best) return std::nullopt;
+  SafeSearch search{problem, deviation};
+  std::optional<Candidate> best = best_safe(search, parameters, -HUGE_VAL);
+  for (const double multiple : {1.1, 2.0, 4.0, 8.0, 16.0, 40.0, 80.0})
+    if (!best) best = best_safe(search, around(search, parameters, multiple), -HUGE_VAL);
   constexpr double farthest = 80, closest = 0.02, least_gain = 1e-6;
   constexpr int most = 60;  // rounds
   double multiple = 2;
-  for (int round = 0; round < most && multiple > closest; ++round) {
+  for (int round = 0; best && round < most && multiple > closest && !search.is_exhausted();
+       ++round) {
     const double better = best->objective + least_gain * std::abs(best->objective);
-    const auto next = best_safe(problem, around(problem, best->parameters, deviation, multiple),
-                                better, deviation, integrated);
+    const auto next = best_safe(search, around(search, best->parameters, multiple), better);
     multiple = next ? std::min(2 * multiple, farthest) : multiple / 2;
     if (next) best = next;
   }
-  return best->parameters;
+  integrated += search.integrated;
+  return best ? std::optional(best->parameters) : std::nullopt;
 }
 
 }  // namespace trebsweep

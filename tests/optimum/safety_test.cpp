@@ -10,7 +10,8 @@ namespace {
 bool is_safe(const Job& job, const Design<double>& design, double deviation) {
   std::uint64_t integrated = 0;
   const Parameters parameters = to_parameters(design);
-  return are_safe(design_problem(job, parameters), parameters, deviation, integrated);
+  return are_safe(design_problem(job, parameters), parameters, deviation, Accuracy::high,
+                  integrated);
 }
 
 Job siege() {

@@ -18,11 +18,12 @@ Parameters tolerated(const DesignSpace& space, const Parameters& parameters, dou
 /// half and by all of what is tolerated, lengths at 52 designs, and by bisection between these and
 /// the parameters. Adds the number of designs that it integrates to `integrated`.
 bool are_safe(const DesignProblem& problem, const Parameters& parameters, double deviation,
-              std::uint64_t& integrated);
+              Accuracy accuracy, std::uint64_t& integrated);
 
 /// Parameters that are_safe() and satisfy the constraints, near others: these themselves or the
 /// best of those around them at the smallest distance at which there are any, improved by a pattern
-/// search. Returns nothing if none are found within 80 times what is tolerated().
+/// search of at most about 30,000 designs. Returns nothing if none are found within 80 times what
+/// is tolerated(). Adds the number of designs that it integrates to `integrated`.
 std::optional<Parameters> safe_parameters_near(const DesignProblem& problem,
                                                const Parameters& parameters, double deviation,
                                                std::uint64_t& integrated);
