@@ -2,6 +2,7 @@
 # Installs missing Debian packages and builds build/release/trebsweep.
 # --tests: also installs the packages of the tests and builds those of the numerical core and of scripts, with warnings
 # as errors.
+# --package: builds a Debian package with kernels for all instruction sets and the explorer, build/package/*.deb.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,6 +16,13 @@ if [[ ${1:-} == --tests ]]; then
              python3-xarray)
 fi
 
+if [[ ${1:-} == --package ]]; then
+  jobs/install.sh "${packages[@]}" dpkg-dev file
+  analysis/explorer/build.sh -o build/package/explorer.html --overwrite
+  cmake --preset package
+  cmake --build --preset package
+  exec cpack --preset package
+fi
 jobs/install.sh "${packages[@]}"
 cmake --preset release "${options[@]}"
 cmake --build --preset release

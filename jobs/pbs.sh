@@ -19,7 +19,9 @@
 
 cd "${PBS_O_WORKDIR:?submit it with: qsub -v jobs=JOB jobs/pbs.sh}" || exit
 script=${script:-jobs/pbs.sh}                 # this file and the program: relative to qsub's directory, or absolute
-program=${TREBSWEEP:-build/release/trebsweep}
+program=trebsweep                             # the installed one, or:
+[[ ! -x build/release/trebsweep ]] || program=build/release/trebsweep
+program=${TREBSWEEP:-$program}
 margin=180                                    # s before the limit to stop at; a tile of the sweep takes a second
 most_restarts=100                             # a limit in case something is wrong
 launch=(mpirun -machinefile "$PBS_NODEFILE" -n "$(wc -l <"$PBS_NODEFILE")" --bind-to core)
@@ -44,7 +46,7 @@ number=${PBS_ARRAY_INDEX:-1}
 [[ $number -ge 1 && $number -le ${#files[@]} ]] ||
   refuse "-J: there is no job file number $number, only 1 to ${#files[@]}"
 job=${files[number - 1]}
-command -v "$program" >/dev/null || refuse "$program: no such program; build it, or set TREBSWEEP"
+command -v "$program" >/dev/null || refuse "$program: no such program; build or install it, or set TREBSWEEP"
 
 # The time limit, h:m:s; PBS sends no signal before it.
 walltime=$(qstat -f "$PBS_JOBID" | sed -n 's/^ *Resource_List.walltime = //p')

@@ -21,7 +21,9 @@
 #SBATCH --open-mode=append
 # No set -eu: it breaks module load and, in old versions of bash, empty arrays.
 
-program=${TREBSWEEP:-build/release/trebsweep} # relative to the directory of sbatch, or absolute
+program=trebsweep                             # the installed one, or:
+[[ ! -x build/release/trebsweep ]] || program=build/release/trebsweep
+program=${TREBSWEEP:-$program}                # relative to the directory of sbatch, or absolute
 launch=(mpirun --bind-to core)                # or (srun --mpi=pmix --cpu-bind=cores)
 most_restarts=100                             # a limit in case something is wrong
 # module load gcc openmpi hdf5                # those that the program was built with
@@ -45,7 +47,7 @@ done
 number=${SLURM_ARRAY_TASK_ID:-1}
 [[ $number -ge 1 && $number -le ${#jobs[@]} ]] ||
   refuse "--array: there is no job file number $number, only 1 to ${#jobs[@]}"
-command -v "$program" >/dev/null || refuse "$program: no such program; build it, or set TREBSWEEP"
+command -v "$program" >/dev/null || refuse "$program: no such program; build or install it, or set TREBSWEEP"
 options=()
 for option in "$@"; do # a restart continues the unfinished sweep
   [[ $option == --overwrite && ${SLURM_RESTART_COUNT:-0} -gt 0 ]] || options+=("$option")

@@ -4,7 +4,7 @@
 #   analysis/pictures/draw.sh [DIRECTORY]      default: this directory
 #
 # TREBSWEEP is the program (default: build/release/trebsweep). assess-*.png, rules.png, literature.png, sobol.png and
-# explorer.png take minutes, or a browser: their commands are in tests/README.md, tests/rules/README.md,
+# explorer.png take minutes, or a browser: their commands are in tests/README.md, analysis/results/rules.md,
 # analysis/README.md and tests/program/explorer_test.py.
 set -euo pipefail
 

@@ -1,4 +1,4 @@
-"""Rules of thumb: analysis/rules.py, its job files, and the commands of tests/rules/README.md.
+"""Rules of thumb: analysis/rules.py, its job files, and the commands of analysis/results/rules.md.
 
 Needs TREBSWEEP (the program) in the environment.
 """
@@ -24,7 +24,7 @@ from archive import Archive
 from picture import plt
 from support import PROGRAM, REPOSITORY
 
-PAGE = os.path.join(REPOSITORY, "tests", "rules", "README.md")
+PAGE = os.path.join(REPOSITORY, "analysis", "results", "rules.md")
 RULES = {"r1 < r2": lambda r1, r3, r2, mass: r1 < r2,
          "abs(1.5 * r3 / r2 - 1) < 0.3": lambda r1, r3, r2, mass: abs(1.5 * r3 / r2 - 1) < 0.3,
          "~(r1 < 0.7) & (r2**2 + r3 >= 1)": lambda r1, r3, r2, mass: r1 >= 0.7 and r2**2 + r3 >= 1,
