@@ -229,65 +229,90 @@ bool is_dominated(const Point& point, const std::vector<Point>& before) {
   });
 }
 
+constexpr double converged = 1e-7;  // the length of the last step
+constexpr double max_residual = 1e-6, max_reach = 0.05;
+
+/// The state of Newton's method.
+struct Iterate {
+  KktPoint solution;
+  std::optional<Inequalities> c;  // at the solution
+  VectorXd multipliers;           // of all inequalities
+  std::vector<Point> visited;
+  double max_violation;
+  double reach = max_reach;  // the longest step allowed
+  double last_length = HUGE_VAL;
+};
+
+/// After a step that leads away: takes better derivatives or, if these are not to blame, a shorter
+/// reach. Returns whether another step is possible.
+bool retry(const NonlinearProgram& program, double length, Iterate& now) {
+  if (now.c->is_quick) {
+    now.c = model(program, now.solution.point.x, 0);
+    return now.c.has_value();
+  }
+  now.reach = std::min(now.reach, length) / 4;
+  if (length >= converged) now.solution.converged = false;
+  return true;
+}
+
+/// Goes to the end of a step. Returns whether another one is possible and worth while.
+bool accept(const NonlinearProgram& program, const Step& step, double length, const Point& point,
+            Iterate& now) {
+  constexpr double enough = 1e-11;
+  now.reach = std::min(2 * now.reach, max_reach);
+  now.visited.push_back(point);
+  now.solution = {point, now.multipliers.tail(now.solution.multipliers.size()),
+                  length < converged && step.residual < max_residual && is_feasible(point),
+                  now.multipliers.head(program.objectives)};
+  const bool is_rounding = length < converged && length > now.last_length / 2;
+  if (length < enough || is_rounding) return false;
+  const bool is_fast = length < now.last_length / 10;
+  now.last_length = length;
+  now.c = model(program, point.x, length, is_fast ? now.c : std::nullopt);
+  if (!now.c) now.solution.converged = false;
+  return now.c.has_value();
+}
+
+/// Makes one step, if it does not lead away. Returns whether another one may follow.
+bool iterate(const NonlinearProgram& program, Iterate& now) {
+  constexpr double min_reach = 1e-8;
+  const Step step = newton_step(*now.c, now.multipliers);
+  // Better ones also where the step is refused, unless the inequalities exclude each other.
+  if (step.residual < max_residual) now.multipliers = step.multipliers;
+  const VectorXd d = step.d.head(program.variables());
+  const double length = d.norm();
+  // Where only steps far shorter than the model's do not lead away, the model does not hold.
+  if (!std::isfinite(length) || now.reach < std::min(length, min_reach)) return false;
+  VectorXd x = now.solution.point.x + d * std::min(1.0, now.reach / length);
+  x = x.cwiseMax(program.lower).cwiseMin(program.upper);
+  const Point point = point_of(program, x, program.functions(x).col(0));
+  if (point.violation > now.max_violation || is_dominated(point, now.visited))
+    return retry(program, length, now);
+  return accept(program, step, length, point, now);
+}
+
 }  // namespace
 
 KktPoint solve_kkt(const NonlinearProgram& program, const Point& start) {
   constexpr int max_iterations = 60;
-  constexpr double enough = 1e-11, converged = 1e-7;  // lengths of the last step
-  constexpr double max_residual = 1e-6, max_reach = 0.05, min_reach = 1e-8;
   const Index n = program.variables();
-  KktPoint solution{start, VectorXd::Zero(program.constraints + 2 * n), false};
-  double reach = max_reach;  // the longest step allowed
-  std::optional<Inequalities> c = model(program, start.x, reach);
-  if (!c) return solution;
+  Iterate now{.solution = {start, VectorXd::Zero(program.constraints + 2 * n), false},
+              .c = model(program, start.x, max_reach),
+              .multipliers = {},
+              .visited = {start},
+              .max_violation = std::max(start.violation, little_violation)};
+  if (!now.c) return now.solution;
   Index smallest = 0;  // of the objectives
-  c->values.head(program.objectives).maxCoeff(&smallest);
-  VectorXd multipliers = program.is_at_kink ? first_multipliers(*c, smallest)
-                                            : VectorXd::Unit(c->values.size(), smallest);
-  double last_length = HUGE_VAL;
-  std::vector<Point> visited{start};
-  const double max_violation = std::max(start.violation, little_violation);
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    const Step step = newton_step(*c, multipliers);
-    // Better ones also where the step is refused, unless the inequalities exclude each other.
-    if (step.residual < max_residual) multipliers = step.multipliers;
-    const VectorXd d = step.d.head(n);
-    const double length = d.norm();
-    // Where only steps far shorter than the model's do not lead away, the model does not hold.
-    if (!std::isfinite(length) || reach < std::min(length, min_reach)) break;
-    VectorXd x = solution.point.x + d * std::min(1.0, reach / length);
-    x = x.cwiseMax(program.lower).cwiseMin(program.upper);
-    const Point point = point_of(program, x, program.functions(x).col(0));
-    if (point.violation > max_violation || is_dominated(point, visited)) {
-      if (c->is_quick) {  // which may be to blame
-        c = model(program, solution.point.x, 0);
-        if (!c) break;
-      } else {
-        reach = std::min(reach, length) / 4;
-        if (length >= converged) solution.converged = false;
-      }
-      continue;
-    }
-    reach = std::min(2 * reach, max_reach);
-    visited.push_back(point);
-    solution = {point, multipliers.tail(solution.multipliers.size()),
-                length < converged && step.residual < max_residual && is_feasible(point),
-                multipliers.head(program.objectives)};
-    const bool is_rounding = length < converged && length > last_length / 2;
-    if (length < enough || is_rounding) break;
-    const bool is_fast = length < last_length / 10;
-    last_length = length;
-    c = model(program, x, length, is_fast ? c : std::nullopt);
-    if (!c) {
-      solution.converged = false;
-      break;
-    }
-  }
+  now.c->values.head(program.objectives).maxCoeff(&smallest);
+  now.multipliers = program.is_at_kink ? first_multipliers(*now.c, smallest)
+                                       : VectorXd::Unit(now.c->values.size(), smallest);
+  for (int i = 0; i < max_iterations; ++i)
+    if (!iterate(program, now)) break;
   // Where the method has not converged, the last point is not always the best.
-  if (!solution.converged)
-    solution.point = *std::ranges::max_element(
-        visited, [](const Point& a, const Point& b) { return is_better(b, a); });
-  return solution;
+  if (!now.solution.converged)
+    now.solution.point = *std::ranges::max_element(
+        now.visited, [](const Point& a, const Point& b) { return is_better(b, a); });
+  return now.solution;
 }
 
 }  // namespace trebsweep
