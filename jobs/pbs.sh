@@ -19,7 +19,7 @@
 
 cd "${PBS_O_WORKDIR:?submit it with: qsub -v jobs=JOB jobs/pbs.sh}" || exit
 script=${script:-jobs/pbs.sh}                 # this file and the program: relative to qsub's directory, or absolute
-program=trebsweep                             # the installed one, or:
+program=trebsweep                             # the one on PATH, unless there is one in build/release
 [[ ! -x build/release/trebsweep ]] || program=build/release/trebsweep
 program=${TREBSWEEP:-$program}
 margin=180                                    # s before the limit to stop at; a tile of the sweep takes a second

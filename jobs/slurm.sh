@@ -21,7 +21,7 @@
 #SBATCH --open-mode=append
 # No set -eu: it breaks module load and, in old versions of bash, empty arrays.
 
-program=trebsweep                             # the installed one, or:
+program=trebsweep                             # the one on PATH, unless there is one in build/release
 [[ ! -x build/release/trebsweep ]] || program=build/release/trebsweep
 program=${TREBSWEEP:-$program}                # relative to the directory of sbatch, or absolute
 launch=(mpirun --bind-to core)                # or (srun --mpi=pmix --cpu-bind=cores)

@@ -25,7 +25,7 @@ done
 cd "$(dirname "$0")/../.."
 [[ -n $page ]] || { page=$PWD/results/explorer.html; options+=(--overwrite); }
 
-packages=(clang libboost-dev libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 libclang-rt-14-dev-wasm32 lld python3 wasi-libc)
+packages=(clang libboost-dev libc++-dev-wasm32 libclang-rt-dev-wasm32 lld python3 wasi-libc)
 [[ -z $archive ]] || packages+=(python3-h5py)
 jobs/install.sh "${packages[@]}"
 

@@ -30,5 +30,7 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/explorer.html DESTINATION ${CMAKE_INST
 
 set(CPACK_SOURCE_GENERATOR TGZ)
 set(CPACK_SOURCE_PACKAGE_FILE_NAME trebsweep-${PROJECT_VERSION})
-set(CPACK_SOURCE_IGNORE_FILES "/\\\\.git/" "/build/" "/results/" "/__pycache__/" "\\\\.h5$" "\\\\.h5\\\\.partial/")
+string(REGEX REPLACE "([][+.*()^$?|])" "\\\\\\1" top "${PROJECT_SOURCE_DIR}")
+set(CPACK_VERBATIM_VARIABLES ON)
+set(CPACK_SOURCE_IGNORE_FILES "^${top}/build/" "^${top}/results/" "^${top}/[.]git/" "/__pycache__/" "[.]h5$" "[.]h5[.]partial/")
 include(CPack)

@@ -145,7 +145,7 @@ void take_safe(const Job& job, const DesignProblem& problem, const std::vector<P
   search_all(better_starts(problem, starts, value_of_best(), result.designs));
   if (!best)
     throw NoOptimum(fmt::format(
-        "the {} or a constraint jumps next to every good design found, such as {}: "
+        "no safe design was found: the {} or a constraint jumps next to good ones, such as {}: "
         "lengths that are off by {} would lose it; choose other axes, release or "
         "constraints",
         shown(job.optimum.objective).text, to_text(result.parameters, job.optimum.variables),

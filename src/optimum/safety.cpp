@@ -144,8 +144,9 @@ struct SafeSearch {
   }
 };
 
-/// The best of some parameters that are safe and better than a value; nothing if the search becomes
-/// exhausted. Coarse swings, in a fifth of the time, rule out most of those that are not safe.
+/// The best of some parameters that are safe and better than a value; nothing if the search is
+/// exhausted first. Coarse swings, in a fifth of the time, rule out most of those that are not safe,
+/// and seldom another.
 std::optional<Candidate> best_safe(SafeSearch& search, const MatrixXd& parameters,
                                    double better_than) {
   const auto is_safe = [&](const Candidate& candidate, Accuracy accuracy) {
@@ -236,7 +237,8 @@ std::optional<Parameters> safe_parameters_near(const DesignProblem& problem,
   SafeSearch search{problem, deviation};
   std::optional<Candidate> best = best_safe(search, parameters, -HUGE_VAL);
   for (const double multiple : {1.1, 2.0, 4.0, 8.0, 16.0, 40.0, 80.0})
-    if (!best) best = best_safe(search, around(search, parameters, multiple), -HUGE_VAL);
+    if (!best && !search.is_exhausted())
+      best = best_safe(search, around(search, parameters, multiple), -HUGE_VAL);
   constexpr double farthest = 80, closest = 0.02, least_gain = 1e-6;
   constexpr int most = 60;  // rounds
   double multiple = 2;

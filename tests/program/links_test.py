@@ -10,7 +10,7 @@ REPOSITORY = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."
 
 def markdown_files():
     listed = subprocess.run(["find", ".", "-name", "*.md", "-not", "-path", "./build/*", "-not", "-path", "./results/*"],
-                            cwd=REPOSITORY, text=True, capture_output=True, check=True).stdout.split()
+                            cwd=REPOSITORY, text=True, capture_output=True, check=True).stdout.splitlines()
     return [os.path.normpath(name) for name in listed]
 
 
@@ -20,7 +20,7 @@ def text_of(name):
 
 
 def anchors(name):
-    """Those that a forge gives to headings."""
+    """The anchors that GitHub gives to headings."""
     headings = re.findall(r"^#+ (.*)$", text_of(name), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
