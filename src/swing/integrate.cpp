@@ -49,22 +49,23 @@ Work integrate_swings(const Scene& scene, const Solver& solver, const Batch& bat
 }
 
 Work integrate(const Scene& scene, const Solver& solver, const Batch& batch) {
-  const auto& [designs, results, fields, values] = batch;
+  const std::span fields = batch.fields;
+  const std::span results = batch.results;
   const bool computes = std::ranges::any_of(fields, is_of_swing);
-  const Work work = integrate_swings(scene, solver, computes ? batch : Batch{designs, results});
+  const Work work =
+      integrate_swings(scene, solver, computes ? batch : Batch{batch.designs, results});
   for (std::size_t f = 0; f < fields.size(); ++f) {
-    const auto set = [&, &values = values, &fields = fields, &results = results](auto value) {
+    const auto set = [&](auto value) {
       for (std::size_t i = 0; i < results.size(); ++i)
-        values[i * fields.size() + f] = static_cast<double>(value(i));
+        batch.values[i * fields.size() + f] = static_cast<double>(value(i));
     };
     const Field field = fields[f];
-    if (field == Field::speed) set([&, &r = results](std::size_t i) { return r[i].speed; });
-    if (field == Field::release_time)
-      set([&, &r = results](std::size_t i) { return r[i].release_time; });
-    if (field == Field::status) set([&, &r = results](std::size_t i) { return r[i].status; });
-    if (field == Field::steps) set([&, &r = results](std::size_t i) { return r[i].steps; });
+    if (field == Field::speed) set([&](std::size_t i) { return results[i].speed; });
+    if (field == Field::release_time) set([&](std::size_t i) { return results[i].release_time; });
+    if (field == Field::status) set([&](std::size_t i) { return results[i].status; });
+    if (field == Field::steps) set([&](std::size_t i) { return results[i].steps; });
     if (info(field).kind == FieldKind::separate) {
-      const auto separate = separate_values(field, scene, solver, designs, results);
+      const auto separate = separate_values(field, scene, solver, batch.designs, results);
       set([&](std::size_t i) { return separate[i]; });
     }
   }

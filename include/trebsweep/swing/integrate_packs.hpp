@@ -14,23 +14,21 @@ namespace trebsweep {
 template <class T, Effects E, class Observe = NullObserver>
 Work integrate_by(const AnyStepper<T, E>& stepper, const Scene& scene, const Solver& solver,
                   const Batch& batch, Observe observe = {}) {
-  const auto& [designs, results, fields, values] = batch;
-  std::fill(values.begin(), values.end(), std::numeric_limits<double>::quiet_NaN());
+  std::fill(batch.values.begin(), batch.values.end(), std::numeric_limits<double>::quiet_NaN());
   std::size_t at = 0;
-  const auto next = [&, &designs = designs](Design<double>& design) {
-    if (at == designs.size()) return false;
-    design = designs[at++];
+  const auto next = [&](Design<double>& design) {
+    if (at == batch.designs.size()) return false;
+    design = batch.designs[at++];
     return true;
   };
   std::uint64_t steps = 0;
-  const auto done = [&, &results = results, &fields = fields, &values = values](
-                        std::uint64_t index, const auto& outcome) {
+  const auto done = [&](std::uint64_t index, const auto& outcome) {
     steps += outcome.steps;
     if constexpr (requires { observe.end(outcome); }) observe.end(outcome);
-    results[index] = result_of(outcome, values.subspan(index * fields.size(), fields.size()));
+    batch.results[index] = result_of(outcome, batch.slice(index, 1).values);
   };
-  Swings<T, E, decltype(next), decltype(done), Observe> swings(scene, solver, stepper, fields,
-                                                               values, next, done, observe);
+  Swings<T, E, decltype(next), decltype(done), Observe> swings(scene, solver, stepper, batch.fields,
+                                                               batch.values, next, done, observe);
   const std::uint64_t lane_steps = swings.run();
   return {lane_steps, info_of_stepper(solver.stepper).stages * steps};
 }
