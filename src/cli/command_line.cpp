@@ -11,7 +11,9 @@
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/number.hpp"
+#include "trebsweep/cli/completion.hpp"
 #include "trebsweep/cli/help.hpp"
+#include "trebsweep/cli/manual.hpp"
 #include "trebsweep/cli/options.hpp"
 #include "trebsweep/job/key.hpp"
 #include "trebsweep/job/unit.hpp"
@@ -25,14 +27,11 @@ namespace po = boost::program_options;
 constexpr std::array<std::string_view, 4> progress_names{"auto", "bar", "lines", "none"};
 
 Command to_command(const std::string& name) {
-  if (name == "sweep") return Command::sweep;
-  if (name == "optimum") return Command::optimum;
-  if (name == "trace") return Command::trace;
-  if (name == "assess") return Command::assess;
-  if (name == "info") return Command::info;
-  throw InputError(
-      fmt::format("{}: unknown command; the commands are sweep, optimum, trace, assess and info",
-                  shortened(name)));
+  const auto found = std::ranges::find(command_names, name);
+  if (found == command_names.end())
+    throw InputError(fmt::format("{}: unknown command; the commands are {}, help and completion",
+                                 shortened(name), fmt::join(command_names, ", ")));
+  return static_cast<Command>(found - command_names.begin());
 }
 
 /// The place of an option's value among its names.
@@ -122,31 +121,44 @@ ParetoSpec to_pareto(const std::vector<std::string>& words) {
   return {parts[0], parts[1], static_cast<std::size_t>(points)};
 }
 
+/// The text that words other than a command ask for; nothing if the first is none of them.
+std::optional<std::string> text_about(const std::vector<std::string>& words) {
+  const std::string& first = words[0];
+  if (first == "--help" || first == "-h") return general_help();
+  if (first != "help" && first != "completion" && first != "man") return std::nullopt;
+  if (words.size() > (first == "help" ? 2 : 1))
+    throw InputError(fmt::format("{}: one word too many after {}", shortened(words.back()), first));
+  if (first == "completion") return bash_completion();
+  if (first == "man") return manual_page();
+  return words.size() == 1 ? general_help() : command_help(to_command(words[1]));
+}
+
 }  // namespace
 
 CommandLine parse_command_line(int argc, const char* const* argv) {
   if (argc < 2) throw InputError("no command given; try 'trebsweep --help'");
   CommandLine line;
   const std::string first = argv[1];
-  if (first == "--help" || first == "-h") {
-    line.help = general_help();
-    return line;
-  }
   if (first == "--version") {
     line.command = Command::version;
+    return line;
+  }
+  if (const auto text = text_about({argv + 1, argv + argc})) {
+    line.text = *text;
     return line;
   }
 
   const Command command = to_command(first);
   const po::variables_map given = parse_options(command, argc, argv);
-  if (given.count("help")) {
-    line.help = command_help(command);
+  if (given.count("help") || given.count("help-keys")) {
+    line.text = given.count("help") ? command_help(command) : key_help(command);
     return line;
   }
 
   line.command = command;
   line.file = file_of(command, given);
   line.overrides = overrides_of(given);
+  if (given.count("unset")) line.unset = given["unset"].as<std::vector<std::string>>();
   line.overwrite = given.count("overwrite") > 0;
   line.json = given.count("json") > 0;
   if (given.count("pareto"))

@@ -8,6 +8,7 @@
 #include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/base/version.hpp"
+#include "trebsweep/cli/exit_code.hpp"
 #include "trebsweep/cli/info.hpp"
 #include "trebsweep/cli/sweep_report.hpp"
 #include "trebsweep/cli/trace.hpp"
@@ -22,10 +23,6 @@
 
 namespace trebsweep {
 namespace {
-
-constexpr int complete = 0;
-constexpr int no_optimum = 1;
-constexpr int stopped = 75;  // EX_TEMPFAIL: to be tried again
 
 bool is_root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
 
@@ -47,7 +44,7 @@ void print_stopped(const Summary& summary, bool overwrite) {
 }
 
 void run_trace(const CommandLine& line) {
-  const Job job = load_job(line.file, line.overrides);
+  const Job job = load_job(line.file, line.overrides, line.unset);
   require_one_scene(job, "trace integrates one scene");
   const auto print = line.flight ? trace_flight : trace;
   const auto [status, problems] = print(job, line.design, line.interval, stdout);
@@ -65,7 +62,7 @@ void run_trace(const CommandLine& line) {
 int run_sweep(const CommandLine& line, const std::string& command, const StopSignals& signals) {
   const double deadline = MPI_Wtime() + line.time_limit;
   const auto stop = [&] { return signals.requested() || MPI_Wtime() >= deadline; };
-  const Study study(load_job(line.file, line.overrides, MPI_COMM_WORLD));
+  const Study study(load_job(line.file, line.overrides, MPI_COMM_WORLD, line.unset));
   const SweepOptions options{.overwrite = line.overwrite,
                              .progress = line.progress,
                              .command = command,
@@ -77,18 +74,18 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
       print_message(
           fmt::format("{} holds the complete archive of this job; --overwrite computes it again\n",
                       study.job().output.file));
-    return complete;
+    return exit_code::complete.code;
   }
   if (!result->summary.complete) {
     if (is_root()) print_stopped(result->summary, line.overwrite);
-    return stopped;
+    return exit_code::stopped.code;
   }
   if (is_root()) print_report(*result, study);
-  return complete;
+  return exit_code::complete.code;
 }
 
 int run_optimum(const CommandLine& line) {
-  const Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD);
+  const Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD, line.unset);
   require_one_scene(job,
                     "optimum searches in one scene; 'trebsweep sweep JOB --output.maps none "
                     "--optimum.refine yes' finds the optimum of each");
@@ -100,20 +97,20 @@ int run_optimum(const CommandLine& line) {
       if (is_root())
         print_result(line.json ? to_json(front, *line.pareto, job) + "\n"
                                : to_text(front, *line.pareto, job, line.units));
-      return complete;
+      return exit_code::complete.code;
     }
     const auto result = find_optimum(job, options, MPI_COMM_WORLD);
     if (is_root())
       print_result((line.json ? to_json(*result, job) : to_text(*result, job, line.units)) + "\n");
-    return complete;
+    return exit_code::complete.code;
   } catch (const NoOptimum& error) {
     if (is_root()) print_message(fmt::format("trebsweep: {}\n", error.what()));
-    return no_optimum;
+    return exit_code::nothing_found.code;
   }
 }
 
 void run_assess(const CommandLine& line, const std::string& command) {
-  Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD, assessment_ending);
+  Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD, line.unset, assessment_ending);
   require_one_scene(job, "assess takes one scene from each file");
   for (const auto& [name, value] : line.overrides)
     if (!name.starts_with("assess.") && !name.starts_with("output."))
@@ -131,8 +128,8 @@ void run_assess(const CommandLine& line, const std::string& command) {
 
 void run_serial(const CommandLine& line) {
   switch (line.command) {
-    case Command::help:
-      return print_result(line.help);
+    case Command::text:
+      return print_result(line.text);
     case Command::version:
       return print_result(fmt::format("{}\nkernel: {}\n", version_text(), instruction_set()));
     case Command::info:

@@ -22,6 +22,7 @@
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/cli/command_line.hpp"
 #include "trebsweep/cli/commands.hpp"
+#include "trebsweep/cli/exit_code.hpp"
 #include "trebsweep/cli/stop_signals.hpp"
 
 namespace {
@@ -37,6 +38,7 @@ bool is_parallel(std::span<char*> arguments) {
   constexpr std::array<std::string_view, 3> parallel{"sweep", "optimum", "assess"};
   return arguments.size() > 1 && std::ranges::count(parallel, arguments[1]) > 0 &&
          std::none_of(arguments.begin(), arguments.end(), is("--help")) &&
+         std::none_of(arguments.begin(), arguments.end(), is("--help-keys")) &&
          std::none_of(arguments.begin(), arguments.end(), is("-h"));
 }
 
@@ -45,7 +47,7 @@ bool is_parallel(std::span<char*> arguments) {
 [[noreturn]] void abort_all_ranks(const std::exception& error, const std::string& prefix) {
   std::fflush(stdout);  // what was printed before the failure
   print_message(fmt::format("trebsweep: {}{}\n", prefix, error.what()));
-  MPI_Abort(MPI_COMM_WORLD, 1);
+  MPI_Abort(MPI_COMM_WORLD, exit_code::failed.code);
   std::abort();
 }
 
@@ -71,13 +73,13 @@ int report_stdout(const std::error_code& why) {
     std::raise(SIGPIPE);
   }
   print_message(fmt::format("trebsweep: cannot write to stdout: {}\n", why.message()));
-  return 1;
+  return exit_code::failed.code;
 }
 
-/// Runs a command and returns the exit code: that of the command, 1 if stdout could not be written,
-/// or 2 for an InputError, which is printed if `print_error`.
+/// Runs a command and returns the exit code: that of the command, `failed` if stdout could not be
+/// written, or `refused` for an InputError, which is printed if `print_error`.
 template <class Run>
-int exit_code(bool print_error, Run run) {
+int exit_code_of(bool print_error, Run run) {
   try {
     const int code = run();
     print_result("");  // reports what the buffer still holds
@@ -86,20 +88,21 @@ int exit_code(bool print_error, Run run) {
     return report_stdout(error.code());
   } catch (const InputError& error) {
     if (print_error) print_message(fmt::format("trebsweep: {}\n", printable(error.what())));
-    return 2;
+    return exit_code::refused.code;
   }
 }
 
 /// Runs a command in one process, without MPI. Returns the exit code.
 int serial_main(int argc, char** argv) {
   try {
-    return exit_code(true, [&] { return run_serial(parse_command_line(argc, argv)), 0; });
+    return exit_code_of(
+        true, [&] { return run_serial(parse_command_line(argc, argv)), exit_code::complete.code; });
   } catch (const std::exception& error) {
     const auto* failure = dynamic_cast<const std::system_error*>(&error);
     if (failure && std::ferror(stdout)) return report_stdout(failure->code());
     std::fflush(stdout);  // what was printed before the failure
     print_message(fmt::format("trebsweep: {}\n", error.what()));
-    return 1;
+    return exit_code::failed.code;
   }
 }
 
@@ -115,17 +118,17 @@ int parallel_main(int argc, char** argv) {
   const int rank = mpi::rank(MPI_COMM_WORLD);
   try {
     // Every rank throws an InputError; rank 0 prints it.
-    return exit_code(rank == 0, [&] {
+    return exit_code_of(rank == 0, [&] {
       const CommandLine line = parse_command_line(argc, argv);
       const std::string command = fmt::format("{}", fmt::join(std::span(argv, argv + argc), " "));
       if (signals) return run_sweep(line, command, *signals);
       if (line.command == Command::optimum) return run_optimum(line);
-      return run_assess(line, command), 0;
+      return run_assess(line, command), exit_code::complete.code;
     });
   } catch (const mpi::RootError& error) {
     if (rank == 0) abort_all_ranks(error, "");
     MPI_Barrier(MPI_COMM_WORLD);  // until rank 0 aborts
-    return 1;
+    return exit_code::failed.code;
   }
 }
 

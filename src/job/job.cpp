@@ -37,13 +37,31 @@ std::string key_of(const std::string& name) { return name.substr(name.find('.') 
                                fmt::join(job_sections, ", ")));
 }
 
+/// Throws InputError unless a key has the name.
+void check_known(const std::string& name) {
+  if (name != scene_file_key && std::ranges::count(job_keys(), name, &Key::name) == 0)
+    refuse_unknown(name);
+}
+
 /// The values in the text of a job file, including scene.file.
 Values parse_values(const std::string& text, const std::string& name) {
   const Values values = parse_config(text, name);
-  for (const auto& [given, value] : values) {
-    const auto is_given = [&given = given](const Key& key) { return key.name == given; };
-    if (given != scene_file_key && std::none_of(job_keys().begin(), job_keys().end(), is_given))
-      refuse_unknown(given);
+  for (const auto& [given, value] : values) check_known(given);
+  return values;
+}
+
+/// The values without the keys to remove.
+Values without(Values values, const std::vector<std::string>& unset) {
+  const Values all = values;
+  for (const std::string& key : unset) {
+    check_known(key);
+    if (values.erase(key) > 0) continue;
+    std::vector<std::string> names;
+    for (const auto& [name, value] : all) names.push_back(name);
+    refuse("unset", key,
+           names.empty() ? "left out: the job file sets no key"
+                         : fmt::format("a key that the job file sets, given once: {}",
+                                       fmt::join(names, ", ")));
   }
   return values;
 }
@@ -117,9 +135,9 @@ std::string job_name(const std::string& path) {
 }
 
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides,
-              const std::string& ending) {
+              const std::string& ending, const std::vector<std::string>& unset) {
   const auto directory = std::filesystem::path(name).parent_path();
-  const Values in_job = parse_values(text, name);
+  const Values in_job = without(parse_values(text, name), unset);
   Job job;
   // From the highest precedence to the lowest: add_missing keeps what is given already.
   Values given = overrides;

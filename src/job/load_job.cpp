@@ -12,9 +12,10 @@
 
 namespace trebsweep {
 
-Job load_job(const std::string& path, const Overrides& overrides, const std::string& ending) {
+Job load_job(const std::string& path, const Overrides& overrides,
+             const std::vector<std::string>& unset, const std::string& ending) {
   const std::string text = path == stdin_path ? read_job_from_stdin() : read_job_file(path);
-  Job job = parse_job(text, path, overrides, ending);
+  Job job = parse_job(text, path, overrides, ending, unset);
   if (job.solver.target_error > 0) {
     job.solver.tolerance = tolerance_for_target(job);
     job.solver.target_error = 0;  // replaced by the tolerance
@@ -24,10 +25,10 @@ Job load_job(const std::string& path, const Overrides& overrides, const std::str
 }
 
 Job load_job(const std::string& path, const Overrides& overrides, MPI_Comm comm,
-             const std::string& ending) {
+             const std::vector<std::string>& unset, const std::string& ending) {
   std::string scene_files;  // one per line
   const std::string text = mpi::text_of_root(comm, [&] {
-    const Job job = load_job(path, overrides, ending);
+    const Job job = load_job(path, overrides, unset, ending);
     scene_files = fmt::format("{}", fmt::join(job.scene_files, "\n"));
     return to_text(job, true);
   });

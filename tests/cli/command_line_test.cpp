@@ -58,10 +58,25 @@ TEST_CASE("trace takes a design, an interval and --flight") {
   CHECK(parse({"trace", "j", "--r1", "1", "--r2", "1", "--r3", "1", "--flight"}).flight);
 }
 
-TEST_CASE("--help and --version are commands of their own") {
-  CHECK(parse({"--help"}).command == Command::help);
-  CHECK(parse({"sweep", "--help"}).command == Command::help);
+TEST_CASE("The file has the short option -o; --unset names keys to remove") {
+  const CommandLine line =
+      parse({"sweep", "j", "-o", "a.h5", "--unset", "solver.tolerance", "--unset", "scene.file"});
+  CHECK(line.overrides.at("output.file") == "a.h5");
+  CHECK(line.unset == std::vector<std::string>{"solver.tolerance", "scene.file"});
+  CHECK_THROWS_WITH(parse({"optimum", "j", "-o", "a.h5"}),
+                    contains("-o: unknown option of optimum"));
+}
+
+TEST_CASE("Help, a completion and a manual page are texts, with or without a command") {
+  CHECK(parse({"help"}).text == parse({"--help"}).text);
+  CHECK(parse({"help", "trace"}).text == parse({"trace", "j", "--help"}).text);
+  for (const char* const words : {"--help", "completion", "man"}) {
+    CHECK(parse({words}).command == Command::text);
+    CHECK(parse({words}).text.size() > 1000);
+  }
   CHECK(parse({"--version"}).command == Command::version);
+  CHECK_THROWS_WITH(parse({"help", "swep"}), contains("swep: unknown command"));
+  CHECK_THROWS_WITH(parse({"completion", "sweep"}), contains("sweep: one word too many after"));
 }
 
 TEST_CASE("An option of another command is refused") {
@@ -75,7 +90,7 @@ TEST_CASE("An option of another command is refused") {
 TEST_CASE("The message about an invalid command line names what is wrong") {
   CHECK_THROWS_WITH(parse({}), contains("no command"));
   CHECK_THROWS_WITH(parse({"swep"}),
-                    contains("swep") && contains("sweep, optimum, trace, assess and info"));
+                    contains("swep") && contains("sweep, optimum, trace, assess, info, help"));
   CHECK_THROWS_WITH(parse({"sweep"}), contains("no job file"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "b"}), contains("b"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "--overwrit"}), contains("--overwrit"));

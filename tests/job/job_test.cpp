@@ -69,6 +69,23 @@ TEST_CASE("Options take precedence over the job file, and the job file over the 
   CHECK(job.output.file == "mars.h5");
 }
 
+TEST_CASE("A key can be removed from the job file, which then may not use it") {
+  const std::string text = "[solver]\ntolerance = 1e-9\n[lattice]\nincrement = 0.02\n";
+  const auto parse = [&](const std::string& job, const std::vector<std::string>& unset) {
+    return parse_job(job, "my.cfg", {{"solver.stepper", "euler"}}, ".h5", unset);
+  };
+  const Job job = parse(text, {"solver.tolerance"});
+  CHECK(job.solver.tolerance == Job().solver.tolerance);
+  CHECK(job.lattice.increment == 0.02);
+  CHECK_THROWS_WITH(parse(text, {"solver.tolerence"}),
+                    contains("solver.tolerence: unknown key; the keys of [solver] are"));
+  CHECK_THROWS_WITH(
+      parse(text, {"solver.check"}),
+      contains("unset = solver.check: must be a key that the job file sets, given once: "
+               "lattice.increment, solver.tolerance"));
+  CHECK_THROWS_WITH(parse("", {"solver.check"}), contains("the job file sets no key"));
+}
+
 TEST_CASE("An option replaces several values by one, and one by several") {
   const std::string text = "[scene]\nprojectile-mass = 50, 60\n";
   CHECK(job_of(text, {{"scene.projectile-mass", "55"}}).outer_axes.empty());

@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -26,8 +27,8 @@ class Help(CommandTest):
                                             check=True).stdout:
             self.skipTest("can make only Open MPI's MPI_Init fail")
         self.assertNotEqual(self.run_program("sweep", self.job, *COARSE, code=None, environment=broken).returncode, 0)
-        for arguments in (["--help"], ["--version"], ["sweep", "--help"], ["assess", "-h"],
-                          ["trace", self.job, *DESIGN], ["trace", "--help"]):
+        for arguments in (["--help"], ["--version"], ["sweep", "--help"], ["assess", "-h"], ["help", "optimum"],
+                          ["optimum", "--help-keys"], ["completion"], ["man"], ["trace", self.job, *DESIGN], ["trace", "--help"]):
             self.assertTrue(self.run_program(*arguments, environment=broken).stdout)
 
     def test_every_process_of_a_launcher_runs_the_serial_commands(self):
@@ -37,6 +38,39 @@ class Help(CommandTest):
             for variable in ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID"):
                 with self.subTest(arguments=arguments, variable=variable):
                     self.assertEqual(self.run_program(*arguments, environment={variable: "3"}).stdout, alone)
+
+
+class Completion(CommandTest):
+    """The script of bash, and the manual page."""
+
+    def completed(self, *words):
+        """What bash offers for the last of some words."""
+        script = ('source <("$0" completion); COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _trebsweep; '
+                  'printf "%s\\n" "${COMPREPLY[@]}"')
+        return self.run_command("bash", "-c", script, PROGRAM, "trebsweep", *words).stdout.split()
+
+    def test_every_key_and_option_is_offered(self):
+        for command in ("sweep", "optimum", "trace", "assess"):
+            offered = self.completed(command, "job.cfg", "--")
+            text = self.run_program(command, "--help").stdout + self.run_program(command, "--help-keys").stdout
+            listed = set(re.findall(r"^  (?:-. \[ )?(--[\w.-]+)", text, re.MULTILINE))
+            self.assertGreater(len(listed), 40)
+            self.assertEqual(set(offered), listed)
+
+    def test_commands_values_and_keys_to_remove_are_offered(self):
+        self.assertEqual(self.completed("s"), ["sweep"])
+        self.assertEqual(self.completed("help", "a"), ["assess"])
+        self.assertEqual(self.completed("sweep", "--solver.release", "f"), ["farthest", "fastest"])
+        self.assertEqual(self.completed("trace", "--unset", "solver.tol"), ["solver.tolerance"])
+        self.assertEqual(self.completed("sweep", "jo"), [])  # bash then completes names of files
+
+    def test_man_has_no_warnings_about_the_manual_page(self):
+        if not shutil.which("man"):
+            self.skipTest("needs man")
+        self.write("trebsweep.1", self.run_program("man").stdout)
+        done = self.run_command("man", "-l", "--warnings", "-P", "cat", self.path("trebsweep.1"), MANWIDTH="100")
+        self.assertEqual(done.stderr, "")
+        self.assertIn("scene.gravity NUMBER", done.stdout)
 
 
 class Precedence(CommandTest):
@@ -71,7 +105,7 @@ class Streams(CommandTest):
             ("trace", self.job, *DESIGN, "--solver.max-time", "0.3"): 0,
             ("trace", self.job, *self.UNDERGROUND): 0,
             ("optimum", self.job, "--progress", "bar"): 0,
-            ("optimum", self.job, "--optimum.subject-to", "speed >= 1e6"): 1,
+            ("optimum", self.job, "--optimum.subject-to", "speed >= 1e6"): 3,
             ("assess", self.job, *SMALL_ASSESSMENT, "--output.file", "assess.h5"): 0,
         }
         for name, redirection in self.BROKEN.items():

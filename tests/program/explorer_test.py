@@ -809,7 +809,7 @@ class Mistakes(PageTest):
 
     def test_the_controls_are_the_keys_of_the_program(self):
         self.open()
-        help_text = re.sub(r"\s+", " ", self.run_program("sweep", "--help").stdout)
+        help_text = re.sub(r"\s+", " ", self.run_program("sweep", "--help-keys").stdout)
         shown = self.script("return [...document.querySelectorAll('.key')].filter((row) => row.title).map((row) => "
                             "[row.title.split(': ')[0], row.title.slice(row.title.indexOf(': ') + 2), "
                             "row.querySelector('label').textContent])")

@@ -151,7 +151,7 @@ class Heatmaps(PictureTest):
         self.assertEqual(len(colours), len(meanings))
 
     def test_the_fields_with_a_best_value_are_fields_of_the_program(self):
-        usage = self.run_program("sweep", "--help").stdout
+        usage = self.run_program("sweep", "--help-keys").stdout
         for field in heatmap.LARGEST + heatmap.SMALLEST:
             self.assertRegex(usage, rf"[ ,]{field.replace('_', '-')}[\s,]")
 

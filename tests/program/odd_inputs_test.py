@@ -91,10 +91,10 @@ def optima():
                            (2, "--optimum.deviation=-1"), (2, "--optimum.robust=worst"), (2, "--json=yes"),
                            (2, "--lattice.increment=1e-4"), (2, "--lattice.r1=0.1:0.2"), (2, "--r1=0.6"),
                            (0, "--scene.trough=yes"), (2, "--overwrite"), (2, "--time-limit=1"),
-                           (1, "--lattice.shortest-sling=2"), (1, "--scene.release-height=1e3"),
-                           (1, "--optimum.subject-to=speed >= 1e6"), (1, "--scene.projectile-mass=1e9", "--lattice.increment=0.1"),
-                           (1, "--optimum.deviation=1e9", "--optimum.robust=worst"), (0, *fixed),
-                           (1, "--optimum.deviation=1e9"), (0, "--optimum.subject-to", ""),
+                           (3, "--lattice.shortest-sling=2"), (3, "--scene.release-height=1e3"),
+                           (3, "--optimum.subject-to=speed >= 1e6"), (3, "--scene.projectile-mass=1e9", "--lattice.increment=0.1"),
+                           (3, "--optimum.deviation=1e9", "--optimum.robust=worst"), (0, *fixed),
+                           (3, "--optimum.deviation=1e9"), (0, "--optimum.subject-to", ""),
                            (0, "--lattice.increment=0.3"), (0, "--optimum.refine=yes")]:
         yield ["optimum", "job.cfg", *options], code
     yield ["sweep", "job.cfg", *TINY, "--json"], 2
@@ -135,6 +135,9 @@ def command_lines():
         yield ["info", name], 1
     for limit in ["", "0", "-5", "nan", "1:", ":30", "1-12", "1:2:3:4", "soon", "1e999"]:
         yield ["sweep", "job.cfg", f"--time-limit={limit}"], 2
+    yield ["trace", "job.cfg", *DESIGN, "--unset", "solver.tolerance"], 2
+    for arguments in [["help", "swep"], ["help", "sweep", "x"], ["completion", "x"]]:
+        yield arguments, 2
     for arguments in [["--help"], ["-h"], ["--version"], ["sweep", "--help"], ["sweep", "missing.cfg", "-h"],
                       ["info", "--help"]]:
         yield arguments, 0

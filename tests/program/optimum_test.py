@@ -26,8 +26,8 @@ class Optimum(CommandTest):
         return found
 
     def assert_no_optimum(self, *options, words, ranks=None):
-        """Exit code 1, nothing on stdout, and a message of one line with the words."""
-        done = self.run_program("optimum", self.job, *options, code=1 if ranks is None else None, ranks=ranks)
+        """Exit code 3, nothing on stdout, and a message of one line with the words."""
+        done = self.run_program("optimum", self.job, *options, code=3 if ranks is None else None, ranks=ranks)
         self.assertNotEqual(done.returncode, 0)
         self.assertEqual(done.stdout, "")
         self.assert_one_message(done.stderr, words)

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "trebsweep/base/progress.hpp"
 #include "trebsweep/job/job.hpp"
@@ -11,14 +14,19 @@
 
 namespace trebsweep {
 
-enum class Command { help, version, sweep, optimum, trace, assess, info };
+enum class Command { sweep, optimum, trace, assess, info, text, version };
+
+/// The commands that take a file, in the order of Command.
+inline constexpr std::array<std::string_view, 5> command_names{"sweep", "optimum", "trace",
+                                                               "assess", "info"};
 
 /// A parsed command line.
 struct CommandLine {
-  Command command = Command::help;
-  std::string help;     ///< of Command::help: the text to print
-  std::string file;     ///< the archive of Command::info, otherwise the job file
-  Overrides overrides;  ///< keys of the job file given as options
+  Command command = Command::text;
+  std::string text;                ///< of Command::text: what is printed, such as help
+  std::string file;                ///< the archive of Command::info, otherwise the job file
+  Overrides overrides;             ///< keys of the job file given as options
+  std::vector<std::string> unset;  ///< keys of the job file that it does as if it did not set
   bool overwrite = false;
   bool verify = false;                ///< of Command::info
   std::string snapshot;               ///< of Command::info: the file to write; empty if none

@@ -113,9 +113,11 @@ std::string job_name(const std::string& path);
 ///
 /// The value of a scene key is taken from the first of these that sets it: `overrides`, the file
 /// named by their scene.file, the job's own [scene], the file named by the job's scene.file.
-/// Throws InputError, also if a key is given that the scene or the solver does not use.
+/// The keys in `unset` are removed from the job file first. Throws InputError, also if a key is
+/// given that the scene or the solver does not use, or one is to be removed that the file does not
+/// set.
 Job parse_job(const std::string& text, const std::string& name, const Overrides& overrides,
-              const std::string& ending = ".h5");
+              const std::string& ending = ".h5", const std::vector<std::string>& unset = {});
 
 /// The canonical text of a job: a job file with the value of every key that the job uses. The keys
 /// of [assess] do not affect maps and are included on request.
