@@ -10,6 +10,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/message.hpp"
 
@@ -42,6 +43,10 @@ void write_holder(int file) {
   const auto size = static_cast<off_t>(text.size());
   // A failure, such as a full disk, is ignored: the text only informs the user.
   if (pwrite(file, text.data(), text.size(), 0) == size) static_cast<void>(!ftruncate(file, size));
+}
+
+[[noreturn]] void refuse_held(const fs::path& path, const std::string& who) {
+  throw InputError(fmt::format("another run is writing it: {} is held by {}", path.string(), who));
 }
 
 /// Whether the path still names the open file: its former holder may just have removed it.
@@ -78,8 +83,7 @@ FileLock::FileLock(const fs::path& folder) : folder_(folder) {
     if (!try_lock(file_, path)) {
       const std::string other = holder(file_);
       close(file_);  // the destructor does not run
-      throw InputError(
-          fmt::format("another run is writing it: {} is held by {}", path.string(), other));
+      refuse_held(path, other);
     }
     locked = has_path(file_, path);
     if (!locked) close(file_);
@@ -92,6 +96,13 @@ FileLock::~FileLock() {
   fs::remove(folder_ / lock_name, ignored);  // while locked, so that no other process holds it
   close(file_);
   fs::remove(folder_, ignored);
+}
+
+void require_lockable(const fs::path& folder) {
+  if (const auto who = lock_holder(folder)) refuse_held(folder / lock_name, *who);
+  const fs::path written = fs::exists(folder) ? folder : directory_of(folder);
+  if (access(written.c_str(), W_OK | X_OK) != 0)
+    throw std::system_error(errno, std::generic_category(), written.string());
 }
 
 std::optional<std::string> lock_holder(const fs::path& folder) {

@@ -66,6 +66,7 @@ std::optional<ArchiveHeader> find_archive(const Job& job, const fs::path& path) 
 
 /// The unfinished sweep in a folder, if any. Throws InputError if it is damaged.
 std::optional<PartialSweep> find_partial(const Job& job, const fs::path& folder) {
+  if (!fs::exists(folder)) return std::nullopt;
   try {
     return read_partial_sweep(folder);
   } catch (const std::runtime_error&) {
@@ -111,12 +112,15 @@ bool is_complete(const Job& job, const fs::path& path, bool overwrite,
   return true;
 }
 
-/// The locked path of an archive.
-OutputFile lock_output(const Job& job, const fs::path& path) {
+/// The locked path of an archive; not locked unless it is to be reserved.
+OutputFile lock_output(const Job& job, const fs::path& path, Reserve reserve) {
   check_folder(job, partial_path(path));
   OutputFile output{.path = path, .partial = {}, .replaces = {}, .lock = {}};
   try {
-    output.lock = std::make_unique<FileLock>(partial_path(path));
+    if (reserve == Reserve::yes)
+      output.lock = std::make_unique<FileLock>(partial_path(path));
+    else
+      require_lockable(partial_path(path));
   } catch (const InputError& error) {
     refuse_output(job, error.what());
   }
@@ -132,17 +136,17 @@ void refuse_output(const Job& job, const std::string& why) {
   throw InputError(fmt::format("output.file = {}: {}", shortened(job.output.file), why));
 }
 
-OutputFile open_or_resume(const Job& job, bool overwrite) try {
+OutputFile open_or_resume(const Job& job, bool overwrite, Reserve reserve) try {
   const fs::path path = checked_path(job), folder = partial_path(path);
   // If nothing remains to be done, the path need not be writable, nor locked.
   if (!fs::exists(fs::symlink_status(folder)) && is_complete(job, path, overwrite, std::nullopt))
     return {.path = path, .complete = true, .partial = {}, .replaces = {}, .lock = {}};
-  OutputFile output = lock_output(job, path);
+  OutputFile output = lock_output(job, path, reserve);
   const auto partial = find_partial(job, folder);
   output.complete = is_complete(job, path, overwrite, partial);
   if (output.complete) {
     // A run was killed after it had renamed the archive.
-    if (partial && is_same_job(job, partial->job)) clear_partial(folder);
+    if (reserve == Reserve::yes && partial && is_same_job(job, partial->job)) clear_partial(folder);
     output.lock.reset();
   } else if (partial && !overwrite) {
     require_resumable(job, folder, *partial);
@@ -153,15 +157,15 @@ OutputFile open_or_resume(const Job& job, bool overwrite) try {
   refuse_output(job, error);
 }
 
-OutputFile reserve_output(const Job& job, bool overwrite) try {
+OutputFile reserve_output(const Job& job, bool overwrite, Reserve reserve) try {
   const fs::path path = checked_path(job), folder = partial_path(path);
-  OutputFile output = lock_output(job, path);
+  OutputFile output = lock_output(job, path, reserve);
   if (find_archive(job, path) && !overwrite)
     refuse_output(job, "already exists; name another file, or replace it with --overwrite");
   if (find_partial(job, folder))
     refuse_output(job,
                   fmt::format("{} holds an unfinished sweep; name another file", folder.string()));
-  clear_partial(folder);
+  if (reserve == Reserve::yes) clear_partial(folder);
   return output;
 } catch (const std::system_error& error) {
   refuse_output(job, error);

@@ -13,18 +13,6 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The solvers to measure on a case, those of a stepper in a row.
-std::vector<Solver> solvers(const Case& c, const Assessment& assessment) {
-  std::vector<Solver> solvers{c.job.solver};
-  for (const std::string& stepper : assessment.steppers) {
-    const bool adaptive = follows_tolerance(stepper);
-    std::vector<double> settings = adaptive ? assessment.tolerances : assessment.time_steps;
-    if (c.extreme) settings = {adaptive ? c.job.solver.tolerance : c.job.solver.time_step};
-    for (const double value : settings) solvers.push_back(solver_of(stepper, value, c.job.solver));
-  }
-  return solvers;
-}
-
 /// log(ratio of errors) / log(ratio of steps) of two settings; NaN if the steppers or the cases
 /// differ.
 double order_between(const Measurement& before, const Measurement& after) {
@@ -59,6 +47,17 @@ StepLimits step_limits(const Case& c, const std::string& stepper) {
 
 std::string stepper_text(const Solver& solver) {
   return solver.stepper + (solver.release == Release::window ? ", window" : "");
+}
+
+std::vector<Solver> solvers(const Case& c, const Assessment& assessment) {
+  std::vector<Solver> solvers{c.job.solver};
+  for (const std::string& stepper : assessment.steppers) {
+    const bool adaptive = follows_tolerance(stepper);
+    std::vector<double> settings = adaptive ? assessment.tolerances : assessment.time_steps;
+    if (c.extreme) settings = {adaptive ? c.job.solver.tolerance : c.job.solver.time_step};
+    for (const double value : settings) solvers.push_back(solver_of(stepper, value, c.job.solver));
+  }
+  return solvers;
 }
 
 std::vector<Measurement> measure(const std::vector<Case>& cases, const Assessment& assessment,

@@ -161,6 +161,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   if (given.count("unset")) line.unset = given["unset"].as<std::vector<std::string>>();
   line.overwrite = given.count("overwrite") > 0;
   line.json = given.count("json") > 0;
+  line.dry_run = given.count("dry-run") > 0;
   if (given.count("pareto"))
     line.pareto = to_pareto(given["pareto"].as<std::vector<std::string>>());
   line.flight = given.count("flight") > 0;

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <mpi.h>
 
+#include <nlohmann/json.hpp>
+
+#include "trebsweep/archive/archive_reader.hpp"
 #include "trebsweep/assess/assess.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/message.hpp"
@@ -10,6 +13,7 @@
 #include "trebsweep/base/version.hpp"
 #include "trebsweep/cli/exit_code.hpp"
 #include "trebsweep/cli/info.hpp"
+#include "trebsweep/cli/json_summary.hpp"
 #include "trebsweep/cli/sweep_report.hpp"
 #include "trebsweep/cli/trace.hpp"
 #include "trebsweep/cli/warnings.hpp"
@@ -26,6 +30,25 @@ namespace {
 
 bool is_root() { return mpi::rank(MPI_COMM_WORLD) == 0; }
 
+/// Prints the summary of a sweep as a JSON object.
+void print_json(const Summary& summary, const Job& job, const std::vector<std::string>& warnings) {
+  nlohmann::ordered_json json{
+      {"archive", job.output.file}, {"ranks", mpi::size(MPI_COMM_WORLD)}, {"warnings", warnings}};
+  json.update(to_json(summary, job));
+  print_result(json.dump(2) + "\n");
+}
+
+/// Prints the tables of an assessment as a JSON object of objects, with the values of each column.
+void print_json(const std::vector<Table>& tables, const Job& job) {
+  nlohmann::ordered_json json{{"archive", job.output.file},
+                              {"tables", nlohmann::ordered_json::object()}};
+  for (const Table& table : tables)
+    for (const Column& column : table.columns)
+      std::visit([&](const auto& values) { json["tables"][table.name][column.name] = values; },
+                 column.values);
+  print_result(json.dump(2) + "\n");
+}
+
 void print_report(const SweepResult& result, const Study& study) {
   const Job& job = study.job();
   const int ranks = mpi::size(MPI_COMM_WORLD);
@@ -34,7 +57,14 @@ void print_report(const SweepResult& result, const Study& study) {
                            scene_text(job), axes.empty() ? "" : "axes      " + axes + "\n",
                            solver_text(job.solver), to_text(result.summary, job), ranks,
                            ranks == 1 ? "rank" : "ranks", job.output.file));
-  for (const std::string& line : warnings(study, result)) print_message("warning: " + line + "\n");
+}
+
+/// Tells that there is nothing to do; as JSON, prints the summary of the archive.
+void print_complete(const Job& job, bool json) {
+  print_message(
+      fmt::format("{} holds the complete archive of this job; --overwrite computes it again\n",
+                  job.output.file));
+  if (json) print_json(read_contents(job.output.file).summary, job, {});
 }
 
 void print_stopped(const Summary& summary, bool overwrite) {
@@ -70,25 +100,40 @@ int run_sweep(const CommandLine& line, const std::string& command, const StopSig
                              .stop = stop};
   const auto result = sweep(study, options, MPI_COMM_WORLD);
   if (!result) {
-    if (is_root())
-      print_message(
-          fmt::format("{} holds the complete archive of this job; --overwrite computes it again\n",
-                      study.job().output.file));
+    if (is_root()) print_complete(study.job(), line.json);
     return exit_code::complete.code;
   }
   if (!result->summary.complete) {
     if (is_root()) print_stopped(result->summary, line.overwrite);
+    if (is_root() && line.json) print_json(result->summary, study.job(), {});
     return exit_code::stopped.code;
   }
-  if (is_root()) print_report(*result, study);
+  if (!is_root()) return exit_code::complete.code;
+  const auto doubts = warnings(study, *result);
+  line.json ? print_json(result->summary, study.job(), doubts) : print_report(*result, study);
+  for (const std::string& doubt : doubts) print_message("warning: " + doubt + "\n");
   return exit_code::complete.code;
 }
 
-int run_optimum(const CommandLine& line) {
-  const Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD, line.unset);
+Job load_search(const CommandLine& line) {
+  Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD, line.unset);
   require_one_scene(job,
                     "optimum searches in one scene; 'trebsweep sweep JOB --output.maps none "
                     "--optimum.refine yes' finds the optimum of each");
+  return job;
+}
+
+Job load_assessment(const CommandLine& line) {
+  Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD, line.unset, assessment_ending);
+  require_one_scene(job, "assess takes one scene from each file");
+  for (const auto& [name, value] : line.overrides)
+    if (!name.starts_with("assess.") && !name.starts_with("output."))
+      job.assess.overrides[name] = value;
+  return job;
+}
+
+int run_optimum(const CommandLine& line) {
+  const Job job = load_search(line);
   const OptimumOptions options{.own_lattice = line.overrides.contains("lattice.increment"),
                                .progress = line.progress};
   try {
@@ -110,17 +155,14 @@ int run_optimum(const CommandLine& line) {
 }
 
 void run_assess(const CommandLine& line, const std::string& command) {
-  Job job = load_job(line.file, line.overrides, MPI_COMM_WORLD, line.unset, assessment_ending);
-  require_one_scene(job, "assess takes one scene from each file");
-  for (const auto& [name, value] : line.overrides)
-    if (!name.starts_with("assess.") && !name.starts_with("output."))
-      job.assess.overrides[name] = value;
+  const Job job = load_assessment(line);
   const AssessOptions options{.overwrite = line.overwrite,
                               .progress = line.progress != ProgressStyle::none,
                               .command = command,
                               .job_name = job_name(line.file)};
   const auto tables = assess(job, options, MPI_COMM_WORLD);
   if (!is_root()) return;
+  if (line.json) return print_json(tables, job);
   for (const Table& table : tables)
     if (const std::string text = to_text(table); !text.empty()) print_result(text + "\n");
   print_result(fmt::format("archive   {}\n", job.output.file));
@@ -135,7 +177,7 @@ void run_serial(const CommandLine& line) {
     case Command::info:
       if (line.verify) return verify_archive(line.file, line.progress, stdout);
       if (!line.snapshot.empty()) return write_snapshot(line.file, line.snapshot);
-      return print_result(describe_archive(line.file));
+      return print_result(describe_archive(line.file, line.json));
     case Command::trace:
       return run_trace(line);
     case Command::sweep:

@@ -18,6 +18,7 @@
 #include "trebsweep/archive/verify.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/cli/child_process.hpp"
+#include "trebsweep/cli/json_summary.hpp"
 #include "trebsweep/cli/sweep_report.hpp"
 #include "trebsweep/job/job.hpp"
 #include "trebsweep/sweep/unfinished.hpp"
@@ -29,7 +30,24 @@ namespace fs = std::filesystem;
 
 bool is_partial(const fs::path& path) { return path.extension() == ".partial"; }
 
-std::string describe_assessment(const fs::path& path, const ArchiveHeader& header) {
+using Json = nlohmann::ordered_json;
+
+/// The lines of a history.
+std::vector<std::string> lines_of(const std::string& history) {
+  std::vector<std::string> lines;
+  boost::split(lines, history, boost::is_any_of("\n"));
+  return lines;
+}
+
+std::string describe_assessment(const fs::path& path, const ArchiveHeader& header, bool json) {
+  if (json)
+    return Json{{"archive", path.string()},
+                {"tables", header.tables},
+                {"source", header.source},
+                {"history", lines_of(header.history)},
+                {"job", header.job}}
+               .dump(2) +
+           "\n";
   return fmt::format("archive   {}, an assessment\ntables    {}\nsource    {}\nhistory   {}\n\n{}",
                      path.string(), fmt::join(header.tables, ", "), header.source,
                      boost::replace_all_copy(header.history, "\n", "\n          "), header.job);
@@ -41,51 +59,61 @@ std::string share_text(std::uint64_t done, std::uint64_t tiles) {
                      100 * static_cast<double>(done) / static_cast<double>(tiles));
 }
 
-/// What is said of a sweep before and after its summary.
-struct SweepText {
-  std::string progress, scene, lattice, source, history, job;
+/// A sweep, and what is said of it before and after its summary.
+struct DescribedSweep {
+  std::string progress, scene, source, history, job;
   std::uint64_t tiles, tiles_done;
-  Index3 tile_edge;
+  Index3 tile_edge, extent;
+  std::uint64_t designs;  ///< of all scenes; 0 if unknown
+  Summary summary;
 };
 
-/// `designs` are those of all scenes; 0 if unknown.
-std::string lattice_text(const Index3& extent, std::uint64_t designs, std::uint64_t scenes) {
-  std::string text = fmt::format("{} (r1 x r3 x r2)", fmt::join(extent, " x "));
-  if (designs > 0) text += fmt::format(", {} designs", designs);
+std::string lattice_text(const DescribedSweep& sweep) {
+  const std::size_t scenes = sweep.summary.optima.size();
+  std::string text = fmt::format("{} (r1 x r3 x r2)", fmt::join(sweep.extent, " x "));
+  if (sweep.designs > 0) text += fmt::format(", {} designs", sweep.designs);
   return scenes > 1 ? fmt::format("{} in {} scenes", text, scenes) : text;
 }
 
-std::string describe(const fs::path& path, const SweepText& sweep, const Summary& summary) {
+std::string describe(const fs::path& path, const DescribedSweep& sweep) {
   const Job job = parse_job(sweep.job, path, {});
   std::string text = fmt::format("archive   {}, {}\n", path.string(), sweep.progress);
   text += fmt::format("scene     {}\nsolver    {}\n", sweep.scene, solver_text(job.solver));
   text += fmt::format("tiles     {} of {} done, of {} designs (r1 x r3 x r2)\n", sweep.tiles_done,
                       sweep.tiles, fmt::join(sweep.tile_edge, " x "));
-  text += fmt::format("lattice   {}\n", sweep.lattice);
-  return text + to_text(summary, job) +
+  text += fmt::format("lattice   {}\n", lattice_text(sweep));
+  return text + to_text(sweep.summary, job) +
          fmt::format("\nsource    {}\nhistory   {}\n\n{}", sweep.source,
                      boost::replace_all_copy(sweep.history, "\n", "\n          "), sweep.job);
 }
 
-std::string describe_unfinished(const fs::path& folder) {
+std::string to_json(const fs::path& path, const DescribedSweep& sweep) {
+  Json json{{"archive", path.string()},          {"tiles", sweep.tiles},
+            {"tiles_done", sweep.tiles_done},    {"tile", sweep.tile_edge},
+            {"lattice", sweep.extent},           {"source", sweep.source},
+            {"history", lines_of(sweep.history)}};
+  json.update(to_json(sweep.summary, parse_job(sweep.job, path, {})));
+  return json.dump(2) + "\n";
+}
+
+DescribedSweep unfinished(const fs::path& folder) {
   const Unfinished sweep = read_unfinished(folder);
   const auto& [description, study, tiling, journals, tiles, summary] = sweep;
   const auto writer = lock_holder(folder);
-  return describe(
-      folder,
-      {.progress = fmt::format("unfinished, {}; {}", share_text(tiles.size(), tiling.size()),
-                               writer ? "being written by " + *writer
-                                      : "interrupted: run the command of the sweep again to "
-                                        "continue it"),
-       .scene = scene_text(study.job()),
-       .lattice = lattice_text(study.extent(), study.designs(), study.scenes()),
-       .source = fmt::format("{}, {}", description.source, description.kernel),
-       .history = fmt::format("{}", fmt::join(description.history, "\n")),
-       .job = description.job,
-       .tiles = tiling.size(),
-       .tiles_done = tiles.size(),
-       .tile_edge = tiling.edge()},
-      summary);
+  return {.progress = fmt::format("unfinished, {}; {}", share_text(tiles.size(), tiling.size()),
+                                  writer ? "being written by " + *writer
+                                         : "interrupted: run the command of the sweep again to "
+                                           "continue it"),
+          .scene = scene_text(study.job()),
+          .source = fmt::format("{}, {}", description.source, description.kernel),
+          .history = fmt::format("{}", fmt::join(description.history, "\n")),
+          .job = description.job,
+          .tiles = tiling.size(),
+          .tiles_done = tiles.size(),
+          .tile_edge = tiling.edge(),
+          .extent = study.extent(),
+          .designs = study.designs(),
+          .summary = summary};
 }
 
 /// The progress of an archive.
@@ -95,26 +123,24 @@ std::string progress_text(const ArchiveContents& contents) {
                                          share_text(contents.tiles_done, contents.tiles.size());
 }
 
-std::string describe_sweep(const fs::path& path) {
+DescribedSweep archived(const fs::path& path) {
   const ArchiveContents contents = read_contents(path);
   const Summary& summary = contents.summary;
   const auto& [r1, r3, r2] = contents.axes;
   Index3 edge{};
   for (const Tile& tile : contents.tiles)
     for (std::size_t d = 0; d < 3; ++d) edge[d] = std::max(edge[d], tile.block.count[d]);
-  return describe(
-      path,
-      {.progress = progress_text(contents),
-       .scene = contents.scene,
-       .lattice = lattice_text({r1.size(), r3.size(), r2.size()},
-                               summary.complete ? summary.tally.designs() : 0, contents.scenes()),
-       .source = fmt::format("{}, {}", contents.header.source, contents.kernel),
-       .history = contents.header.history,
-       .job = contents.header.job,
-       .tiles = contents.tiles.size(),
-       .tiles_done = contents.tiles_done,
-       .tile_edge = edge},
-      summary);
+  return {.progress = progress_text(contents),
+          .scene = contents.scene,
+          .source = fmt::format("{}, {}", contents.header.source, contents.kernel),
+          .history = contents.header.history,
+          .job = contents.header.job,
+          .tiles = contents.tiles.size(),
+          .tiles_done = contents.tiles_done,
+          .tile_edge = edge,
+          .extent = {r1.size(), r3.size(), r2.size()},
+          .designs = summary.complete ? summary.tally.designs() : 0,
+          .summary = summary};
 }
 
 /// The path itself if it exists, otherwise that of its partial sweep.
@@ -220,12 +246,15 @@ std::string extent_text(const Tile& tile, const ArchiveContents& contents, const
 
 }  // namespace
 
-std::string describe_archive(const fs::path& given) {
+std::string describe_archive(const fs::path& given, bool json) {
   const fs::path path = checked_path(given);
   return read_or_explain(path, [&] {
-    if (is_partial_sweep(path)) return describe_unfinished(path);
-    const ArchiveHeader header = read_header(path);
-    return header.is_sweep() ? describe_sweep(path) : describe_assessment(path, header);
+    const bool partial = is_partial_sweep(path);
+    if (!partial)
+      if (const ArchiveHeader header = read_header(path); !header.is_sweep())
+        return describe_assessment(path, header, json);
+    const DescribedSweep sweep = partial ? unfinished(path) : archived(path);
+    return json ? to_json(path, sweep) : describe(path, sweep);
   });
 }
 

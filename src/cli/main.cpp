@@ -22,6 +22,7 @@
 #include "trebsweep/base/mpi.hpp"
 #include "trebsweep/cli/command_line.hpp"
 #include "trebsweep/cli/commands.hpp"
+#include "trebsweep/cli/dry_run.hpp"
 #include "trebsweep/cli/exit_code.hpp"
 #include "trebsweep/cli/stop_signals.hpp"
 
@@ -121,6 +122,7 @@ int parallel_main(int argc, char** argv) {
     return exit_code_of(rank == 0, [&] {
       const CommandLine line = parse_command_line(argc, argv);
       const std::string command = fmt::format("{}", fmt::join(std::span(argv, argv + argc), " "));
+      if (line.dry_run) return run_dry(line), exit_code::complete.code;
       if (signals) return run_sweep(line, command, *signals);
       if (line.command == Command::optimum) return run_optimum(line);
       return run_assess(line, command), exit_code::complete.code;

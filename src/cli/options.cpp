@@ -25,6 +25,8 @@ po::typed_value<std::string>* text(const char* placeholder) {
 }
 
 const char* const json_meaning = "print a JSON object instead of text";
+const char* const dry_run_meaning =
+    "print what the command will cost and what would be refused; write nothing";
 const char* const progress_meaning = "progress on stderr: auto (default), bar, lines or none";
 
 }  // namespace
@@ -51,12 +53,15 @@ po::options_description command_options(Command command) {
   }
   switch (command) {
     case Command::sweep:
+      add("dry-run", dry_run_meaning);
+      add("json", json_meaning);
       add("overwrite", "replace an existing archive, or a partial one, and start from scratch");
       add("progress", text("STYLE"), progress_meaning);
       add("time-limit", text("TIME"),
           "stop with exit code 75 after this time: seconds, or [[days-]hours:]minutes:seconds");
       break;
     case Command::optimum:
+      add("dry-run", dry_run_meaning);
       add("json", json_meaning);
       add("pareto", po::value<std::vector<std::string>>()->multitoken()->value_name("A,B [POINTS]"),
           "after the job: instead of one optimum, the Pareto front of two objectives, such as "
@@ -67,6 +72,8 @@ po::options_description command_options(Command command) {
       add("progress", text("STYLE"), progress_meaning);
       break;
     case Command::assess:
+      add("dry-run", dry_run_meaning);
+      add("json", json_meaning);
       add("overwrite", "replace an existing archive");
       add("progress", text("STYLE"), progress_meaning);
       break;
@@ -80,6 +87,7 @@ po::options_description command_options(Command command) {
       add("flight", "print the flight from the release to the ground instead of the swing");
       break;
     case Command::info:
+      add("json", json_meaning);
       add("verify", "compare every tile with its checksums");
       add("snapshot", text("PATH"), "write what is done of an unfinished sweep as an archive");
       add("progress", text("STYLE"), progress_meaning);

@@ -68,6 +68,13 @@ std::vector<Index3> sample_indices(const Lattice& lattice, std::size_t count) {
   return with_sobol(corners(lattice), count, lattice, whole(lattice));
 }
 
+std::vector<Design<double>> every(std::size_t n, std::size_t first,
+                                  std::span<const Design<double>> designs) {
+  std::vector<Design<double>> part;
+  for (std::size_t i = first; i < designs.size(); i += n) part.push_back(designs[i]);
+  return part;
+}
+
 std::vector<Design<double>> sample(const Lattice& lattice, std::size_t count) {
   return designs_at(sample_indices(lattice, count), lattice);
 }

@@ -111,12 +111,17 @@ std::optional<LatticeSpec> edge_lattice(const Scene& scene, const LatticeSpec& c
   return edge;
 }
 
-Grid lattice_grid(const Scene& scene, const LatticeSpec& spec) {
-  const Lattice lattice(scene, spec);
+Lattice checked_lattice(const Scene& scene, const LatticeSpec& spec) {
+  Lattice lattice(scene, spec);
   if (lattice.designs() > max_designs)
     refuse("lattice.increment", fmt::format("{}", spec.increment),
            fmt::format("larger: the coarse sweep would have {} designs, and {} are allowed",
                        lattice.designs(), max_designs));
+  return lattice;
+}
+
+Grid lattice_grid(const Scene& scene, const LatticeSpec& spec) {
+  const Lattice lattice = checked_lattice(scene, spec);
   Grid grid{MatrixXd(length_count, lattice.designs()),
             lattice,
             lattice.designs() > 1 ? spec.increment : 0,

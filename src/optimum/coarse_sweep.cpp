@@ -19,6 +19,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+constexpr std::uint64_t most_designs = 300'000;  // of a coarse sweep
+
 /// Computes values of designs on all ranks and reports the progress.
 class RankedValues {
  public:
@@ -55,18 +57,6 @@ class RankedValues {
   Progress progress_;
   std::size_t done_ = 0;
 };
-
-/// Some designs of a job's design space. Few designs with short arms may take most of the steps of
-/// a sweep: of a lattice, they are those of a fine one.
-MatrixXd some_designs(const Job& job, std::size_t count, std::uint64_t most) {
-  if (!job.optimum.variables.empty()) return sobol_grid(job, count).parameters;
-  const auto designs =
-      sample(Lattice(job.scene, coarse_lattice(job.scene, job.lattice, most)), count);
-  MatrixXd parameters(length_count, std::ssize(designs));
-  for (Index column = 0; const Design<double>& design : designs)
-    parameters.col(column++) = to_parameters(design);
-  return parameters;
-}
 
 bool is_about_release_time(const Job& job) {
   return std::ranges::count(job.optimum.objective.fields, Field::release_time) +
@@ -133,11 +123,21 @@ std::uint64_t find_violations(const Job& job, const MatrixXd& parameters, Ranked
 
 }  // namespace
 
+MatrixXd coarse_sample(const Job& job, std::size_t count) {
+  if (!job.optimum.variables.empty()) return sobol_grid(job, count).parameters;
+  const auto designs =
+      sample(Lattice(job.scene, coarse_lattice(job.scene, job.lattice, most_designs)), count);
+  MatrixXd parameters(length_count, std::ssize(designs));
+  for (Index column = 0; const Design<double>& design : designs)
+    parameters.col(column++) = to_parameters(design);
+  return parameters;
+}
+
 CoarsePlan plan_coarse_sweep(const Job& job) {
-  constexpr std::uint64_t sampled = 500, fewest = 4'000, most = 300'000;
+  constexpr std::uint64_t sampled = 500, fewest = 4'000;
   // A second or two; more in a space of more dimensions, where searches take longer anyway.
   const double affordable_steps = job.optimum.variables.empty() ? 1e6 : 4e6;
-  const MatrixXd parameters = some_designs(job, sampled, most);
+  const MatrixXd parameters = coarse_sample(job, sampled);
   constexpr std::array fields{Field::steps, Field::release_time};
   MachineFamily machine = family_of(job);
   MatrixXd values = field_values(machine, Accuracy::coarse, parameters, fields);
@@ -155,8 +155,8 @@ CoarsePlan plan_coarse_sweep(const Job& job) {
   double steps = 0;
   for (const double of_swing : values.row(0)) steps += std::isnan(of_swing) ? 0 : of_swing;
   const double affordable = affordable_steps * static_cast<double>(values.cols()) / (steps + 1);
-  return {machine.solver.max_time, affordable > static_cast<double>(most)
-                                       ? most
+  return {machine.solver.max_time, affordable > static_cast<double>(most_designs)
+                                       ? most_designs
                                        : std::max(fewest, static_cast<std::uint64_t>(affordable))};
 }
 

@@ -66,24 +66,31 @@ ComputedTile Compute::tile(const Tile& tile, const std::function<void()>& poll) 
   return computed;
 }
 
+Tally Compute::timed(std::uint64_t scene, const std::vector<Design<double>>& designs) {
+  designs_ = designs;
+  cells_.resize(designs_.size());
+  ComputedTile results;
+  const std::clock_t start = std::clock();
+  finish(scene_at(study_.job(), scene), results);
+  results.tally.integration_seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  return results.tally;
+}
+
 double Compute::seconds_per_design() {
   constexpr std::size_t parts = 4, part_size = 32;  // a part fills the lanes
   constexpr double enough = 0.05;                   // s
-  double seconds = 0;
-  std::size_t done = 0;
-  for (std::size_t p = 0; p < parts && seconds < enough; ++p) {
-    const std::uint64_t number = p * (study_.scenes() - 1) / (parts - 1);
-    const auto designs = sample(study_.own_lattice(number), parts * part_size);
-    // Every parts-th design of a sample, so that each part is representative.
-    for (std::size_t i = p; i < designs.size(); i += parts) designs_.push_back(designs[i]);
-    cells_.resize(designs_.size());
-    ComputedTile results;
-    const std::clock_t start = std::clock();  // of the processor: others may use it as well
-    finish(scene_at(study_.job(), number), results);
-    seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    done += results.tally.designs();
+  Tally all;
+  for (std::size_t p = 0; p < parts && all.integration_seconds < enough; ++p) {
+    const std::uint64_t scene = p * (study_.scenes() - 1) / (parts - 1);
+    const auto designs = sample(study_.own_lattice(scene), parts * part_size);
+    all.add(timed(scene, every(parts, p, designs)));
   }
-  return done > 0 ? seconds / static_cast<double>(done) : 0;
+  return all.designs() > 0 ? all.integration_seconds / static_cast<double>(all.designs()) : 0;
+}
+
+Index3 tile_edge(const Study& study) {
+  return tile_edge(study.extent(), study.scenes(), study.job().output.maps,
+                   Compute(study).seconds_per_design());
 }
 
 }  // namespace trebsweep

@@ -13,7 +13,6 @@
 #include "trebsweep/base/version.hpp"
 #include "trebsweep/sweep/compute.hpp"
 #include "trebsweep/sweep/rank_results.hpp"
-#include "trebsweep/sweep/schedule.hpp"
 #include "trebsweep/sweep/work_queue.hpp"
 #include "trebsweep/swing/kernel.hpp"
 
@@ -34,15 +33,11 @@ struct Context {
 /// Describes a new sweep. For rank 0.
 PartialSweep new_sweep(const Study& study, const SweepOptions& options, std::string replaces) {
   const Job& job = study.job();
-  const auto edge = [&] {
-    return tile_edge(study.extent(), study.scenes(), job.output.maps,
-                     Compute(study).seconds_per_design());
-  };
   return {.job = to_text(job),
           .source = version_text(),
           .kernel = std::string(instruction_set()),
           .numerics = numerics_version,
-          .tile_edge = options.tile_edge ? *options.tile_edge : edge(),
+          .tile_edge = options.tile_edge ? *options.tile_edge : tile_edge(study),
           .replaces = std::move(replaces),
           .history = {}};
 }

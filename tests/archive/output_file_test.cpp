@@ -34,7 +34,13 @@ void write_unfinished(const Job& job) {
                                .history = {}});
 }
 
-constexpr auto both = {open_or_resume, reserve_output};
+constexpr auto both = {
+    +[](const Job& job, bool overwrite) { return open_or_resume(job, overwrite); },
+    +[](const Job& job, bool overwrite) { return reserve_output(job, overwrite); }};
+
+constexpr auto both_unlocked = {
+    +[](const Job& job, bool overwrite) { return open_or_resume(job, overwrite, Reserve::no); },
+    +[](const Job& job, bool overwrite) { return reserve_output(job, overwrite, Reserve::no); }};
 
 }  // namespace
 
@@ -51,16 +57,30 @@ TEST_CASE("A path without a file is locked and otherwise left unchanged") {
   }
 }
 
+TEST_CASE("A path that is only inspected is left as it is, and refused as if it were opened") {
+  const TemporaryDirectory directory;
+  const Job job = job_in(directory / "a.h5");
+  for (const auto inspect : both_unlocked) {
+    CHECK_FALSE(inspect(job, false).lock);
+    CHECK(fs::is_empty(directory.path()));
+  }
+  write_unfinished(job);
+  CHECK_THROWS_AS(open_or_resume(job, false, Reserve::no), std::runtime_error);  // numerics
+  CHECK_NOTHROW(read_partial_sweep(partial_path(job.output.file)));
+  CHECK_THROWS_WITH(reserve_output(job, false, Reserve::no), contains("holds an unfinished sweep"));
+}
+
 TEST_CASE("What has the name of the folder and is not of this program is never replaced") {
   const TemporaryDirectory directory;
   const Job job = job_in(directory / "a.h5");
   const fs::path folder = partial_path(job.output.file);
   const auto refused = [&](const std::string& word) {
     for (const bool overwrite : {false, true})
-      for (const auto open : both) {
-        CHECK_THROWS_AS(open(job, overwrite), InputError);
-        CHECK_THROWS_WITH(open(job, overwrite), contains(folder) && contains(word));
-      }
+      for (const auto& openings : {both, both_unlocked})
+        for (const auto open : openings) {
+          CHECK_THROWS_AS(open(job, overwrite), InputError);
+          CHECK_THROWS_WITH(open(job, overwrite), contains(folder) && contains(word));
+        }
   };
   write_file(folder, "precious");
   refused("is a file");

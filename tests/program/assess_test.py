@@ -1,5 +1,6 @@
 """`trebsweep assess`."""
 
+import json
 import os
 import unittest
 
@@ -31,7 +32,9 @@ class Assess(CommandTest):
         with h5py.File(self.path("job-assess.h5")) as file:
             self.assertIn("time-steps = 0.01, 0.005", file.attrs["job"])
         self.assert_refused(["assess", job, *SMALL_ASSESSMENT], "output.file", "already exists")
-        self.run_program("assess", job, *SMALL_ASSESSMENT, "--overwrite", "--progress", "none")
+        done = self.run_program("assess", job, *SMALL_ASSESSMENT, "--overwrite", "--progress", "none", "--json")
+        tables = json.loads(done.stdout)["tables"]
+        self.assertEqual(tables["accuracy"]["stepper"], list(frame.stepper))
 
     def test_scene_options_apply_to_all_scenes(self):
         job = self.write("two.cfg", f"[assess]\nscenes = {JOBS}/extreme/no_beam.cfg\n")

@@ -97,7 +97,10 @@ def optima():
                            (3, "--optimum.deviation=1e9"), (0, "--optimum.subject-to", ""),
                            (0, "--lattice.increment=0.3"), (0, "--optimum.refine=yes")]:
         yield ["optimum", "job.cfg", *options], code
-    yield ["sweep", "job.cfg", *TINY, "--json"], 2
+    yield ["trace", "job.cfg", *DESIGN, "--json"], 2
+    yield ["trace", "job.cfg", *DESIGN, "--dry-run"], 2
+    yield ["sweep", "job.cfg", *TINY, "--lattice.r3=2", "--dry-run"], 2
+    yield ["assess", "job.cfg", "--output.file=folder", "--dry-run"], 2
     yield sweep(0, "--optimum.subject-to", "")
     yield sweep(0, "--optimum.subject-to", " speed<=+1e3 , least-sling-tension >= -0 ")
 

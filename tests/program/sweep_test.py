@@ -1,5 +1,6 @@
 """`trebsweep sweep`: its maps, its archive in common tools, and its progress."""
 
+import json
 import os
 import re
 import unittest
@@ -7,7 +8,7 @@ import unittest
 import numpy as np
 
 from archives import differences, h5py
-from commands import COARSE, KERNELS, CommandTest, wide_kernels
+from commands import COARSE, KERNELS, SMALL_ASSESSMENT, CommandTest, wide_kernels
 from support import JOBS
 
 
@@ -42,6 +43,82 @@ class Scale(CommandTest):
                 if done == before:  # other processes share the machine
                     limit *= 2
                     self.assertLess(limit, 60)
+
+
+class DryRun(CommandTest):
+    """What a sweep will cost, and what it would refuse, without a file written."""
+
+    def cost(self, *arguments, ranks=None, code=0):
+        before = sorted(os.walk(self.directory))
+        done = self.run_program("sweep", *arguments, "--dry-run", "--json", ranks=ranks, code=code)
+        self.assertEqual(sorted(os.walk(self.directory)), before)
+        return json.loads(done.stdout), done.stderr
+
+    def test_the_predicted_core_seconds_are_those_of_a_sweep_within_a_factor_of_two(self):
+        # In processor time: others use the machine as well.
+        for job in (["lab.cfg"], ["paper.cfg", "--lattice.increment", "0.1", "--scene.projectile-mass", "50:200:50",
+                                  "--scene.fulcrum-height", "1.3:1.6:0.1", "--solver.release", "crossing",
+                                  "--solver.stepper", "rosenbrock4"]):
+            arguments = (os.path.join(JOBS, job[0]), *job[1:], "-o", "cost.h5", "--solver.check", "no", "--overwrite")
+            cost, _ = self.cost(*arguments)
+            start = os.times()
+            summary = json.loads(self.run_program("sweep", *arguments, "--json", "--progress", "none").stdout)
+            end = os.times()
+            spent = end.children_user + end.children_system - start.children_user - start.children_system
+            predicted = cost["design_core_seconds"]
+            self.assertGreater(spent, 0.5)
+            self.assertLess(predicted, 2 * min(spent, summary["integration_seconds"]))
+            self.assertGreater(predicted, spent / 2)
+            self.assertEqual(cost["designs"], summary["designs"])
+            tiles = json.loads(self.run_program("info", "cost.h5", "--json").stdout)["tiles"]
+            self.assertEqual(cost["tiles"], tiles)
+            size = os.path.getsize(self.path("cost.h5"))
+            self.assertLess(abs(cost["archive_bytes"] - size), 0.01 * size + 200_000)
+
+    def test_it_says_what_a_sweep_would_continue_or_refuse(self):
+        coarse = (self.job, "--lattice.increment", "0.05")
+        self.run_program("sweep", *coarse, "--time-limit", "1e-6", code=75)
+        cost, _ = self.cost(*coarse, ranks=2)
+        self.assertEqual((cost["refused"], cost["ranks"]), (None, 2))
+        self.assertLess(cost["designs_done"], cost["designs"])
+        other = (*coarse, "--scene.gravity", "9")
+        cost, message = self.cost(*other, code=2)
+        self.assertEqual(message, self.run_program("sweep", *other, code=2).stderr)
+        self.assertIn("holds an unfinished sweep of another job", cost["refused"])
+        self.run_program("sweep", *coarse)
+        cost, _ = self.cost(*coarse)
+        self.assertEqual((cost["designs_done"], cost["seconds"]), (cost["designs"], 0))
+        cost, message = self.cost(*other, code=2)
+        self.assertIn("holds the archive of another job", message)
+        text = self.run_program("sweep", *coarse, "--dry-run").stdout
+        self.assertRegex(text, r"\ndesigns   \d+ in 1 scene, all of them done\ntiles     \d+ of up to")
+
+    def test_a_search_and_an_assessment_have_a_dry_run(self):
+        before = os.listdir(self.directory)
+        for command in (["optimum"], ["assess", *SMALL_ASSESSMENT]):
+            cost = json.loads(self.run_program(*command[:1], self.job, *command[1:], "--dry-run", "--json").stdout)
+            self.assertGreater(cost["seconds"], 0)
+        self.assertEqual(os.listdir(self.directory), before)
+
+
+class Json(CommandTest):
+    def test_the_summary_and_info_give_the_numbers_of_the_archive(self):
+        study = (self.job, *COARSE, "--scene.projectile-mass", "50, 100", "--json")
+        done = self.run_program("sweep", *study, "--progress", "none", ranks=2)
+        swept = json.loads(done.stdout)
+        info = json.loads(self.run_program("info", "job.h5", "--json").stdout)
+        with h5py.File(self.path("job.h5")) as file:
+            for found in (swept, info):
+                self.assertEqual([found["optimum"][name] for name in ("value", "r1", "r3", "r2")],
+                                 [file.attrs[f"best_{name}"] for name in ("value", "r1", "r3", "r2")])
+                self.assertEqual([scene["value"] for scene in found["scenes"]], list(file["best_value"][...]))
+                self.assertEqual(found["error"]["largest"], file.attrs["error_largest"])
+                self.assertEqual(found["statuses"], {"released": found["designs"]})
+        self.assertEqual(swept["optimum"]["scene"], {"projectile-mass": 50})
+        self.assertEqual((swept["ranks"], swept["complete"], info["tiles_done"]), (2, True, info["tiles"]))
+        self.assertEqual(["warning: " + text for text in swept["warnings"]], done.stderr.splitlines())
+        again = json.loads(self.run_program("sweep", *study).stdout)
+        self.assertEqual(again["optimum"], swept["optimum"])
 
 
 class Sweep(CommandTest):

@@ -28,6 +28,10 @@ class FileLock {
 /// The name of the file in the folder.
 inline constexpr const char* lock_name = "lock";
 
+/// Throws InputError as FileLock() does if another process holds the lock, and std::system_error if
+/// the file could not be written, without writing it.
+void require_lockable(const std::filesystem::path& folder);
+
 /// The process that holds the lock on a folder, if another process does.
 std::optional<std::string> lock_holder(const std::filesystem::path& folder);
 

@@ -29,6 +29,9 @@ struct Measurement {
 /// "euler", or "euler, window" with the paper's release window.
 std::string stepper_text(const Solver& solver);
 
+/// The solvers to measure on a case, its own and those of a stepper in a row.
+std::vector<Solver> solvers(const Case& c, const Assessment& assessment);
+
 /// Measures, on each case, its own solver and then each stepper of the assessment: at all settings,
 /// or on an extreme case at the step or tolerance of the case's job.
 std::vector<Measurement> measure(const std::vector<Case>& cases, const Assessment& assessment,

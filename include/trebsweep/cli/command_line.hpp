@@ -28,9 +28,10 @@ struct CommandLine {
   Overrides overrides;             ///< keys of the job file given as options
   std::vector<std::string> unset;  ///< keys of the job file that it does as if it did not set
   bool overwrite = false;
-  bool verify = false;                ///< of Command::info
-  std::string snapshot;               ///< of Command::info: the file to write; empty if none
-  bool json = false;                  ///< of Command::optimum
+  bool dry_run = false;
+  bool verify = false;   ///< of Command::info
+  std::string snapshot;  ///< of Command::info: the file to write; empty if none
+  bool json = false;
   std::optional<ParetoSpec> pareto;   ///< of Command::optimum
   UnitSystem units = UnitSystem::si;  ///< of Command::optimum
   ProgressStyle progress = ProgressStyle::automatic;

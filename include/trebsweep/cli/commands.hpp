@@ -11,6 +11,11 @@ namespace trebsweep {
 /// Collective; throws InputError and mpi::RootError on all ranks.
 int run_sweep(const CommandLine& line, const std::string& command, const StopSignals& signals);
 
+/// The job of `trebsweep optimum`, and that of `trebsweep assess`. Collective; throw InputError on
+/// all ranks.
+Job load_search(const CommandLine& line);
+Job load_assessment(const CommandLine& line);
+
 /// Runs `trebsweep optimum` and returns the exit code. Collective; throws InputError on all ranks.
 int run_optimum(const CommandLine& line);
 

@@ -8,11 +8,11 @@
 
 namespace trebsweep {
 
-/// A description of an archive for human readers: for a sweep its progress, summary, provenance and
-/// job, for an assessment its tables, provenance and job. If the file does not exist, its partial
-/// sweep is described. Needs no MPI. Throws InputError if there is neither, and std::runtime_error
-/// if it is damaged or not of this format.
-std::string describe_archive(const std::filesystem::path& path);
+/// A description of an archive, as text or a JSON object: for a sweep its progress, summary,
+/// provenance and job, for an assessment its tables, provenance and job. If the file does not
+/// exist, its partial sweep is described. Needs no MPI. Throws InputError if there is neither, and
+/// std::runtime_error if it is damaged or not of this format.
+std::string describe_archive(const std::filesystem::path& path, bool json = false);
 
 /// Writes what is done of an unfinished sweep as an archive, to a new file. Throws as
 /// describe_archive() does, and InputError if the file exists.

@@ -24,4 +24,8 @@ std::vector<Design<double>> designs_at(std::span<const Index3> indices, const La
 /// The designs of sample_indices().
 std::vector<Design<double>> sample(const Lattice& lattice, std::size_t count);
 
+/// Every n-th of some designs, beginning with a number: a part of a sample that is representative.
+std::vector<Design<double>> every(std::size_t n, std::size_t first,
+                                  std::span<const Design<double>> designs);
+
 }  // namespace trebsweep

@@ -30,7 +30,10 @@ struct Grid {
   Parameters spacing;              ///< the mean distance of the parameters, if there is no lattice
 };
 
-/// The designs of a lattice. Throws InputError if there are more than 100 million.
+/// The lattice of a coarse sweep. Throws InputError if it has more than 100 million designs.
+Lattice checked_lattice(const Scene& scene, const LatticeSpec& spec);
+
+/// The designs of a lattice. Throws as checked_lattice() does.
 Grid lattice_grid(const Scene& scene, const LatticeSpec& spec);
 
 /// About `designs` designs of a job's design_space(), in scenes with values of its variables from a

@@ -31,6 +31,10 @@ struct CoarsePlan {
   std::uint64_t designs;  ///< 4,000 to 300,000
 };
 
+/// Some parameters of a job's design space, a column for each. Few designs with short arms may take
+/// most of the steps of a sweep: of a lattice, they are those of a fine one.
+Eigen::MatrixXd coarse_sample(const Job& job, std::size_t count);
+
 /// Plans a coarse sweep by the swings of about 500 designs of a job: a
 /// swing may take three times as long as the median of those with a release, since later ones are
 /// seldom good, unless the objective or a constraint is about the release time; and the sweep has

@@ -24,6 +24,10 @@ class Compute {
   /// Integrates the designs of a tile, some at a time. Calls poll() in between, about every 0.2 s.
   ComputedTile tile(const Tile& tile, const std::function<void()>& poll);
 
+  /// Integrates designs of a scene at once. The tally's integration_seconds are the processor time
+  /// that this took: others may use the processor as well.
+  Tally timed(std::uint64_t scene, const std::vector<Design<double>>& designs);
+
   /// The mean processor time to integrate a design (s), measured for about 50 ms on a sample.
   double seconds_per_design();
 
@@ -41,5 +45,8 @@ class Compute {
   std::vector<SwingResult> swings_;
   std::vector<double> values_;  // as in Batch
 };
+
+/// The extent of the tiles of a new sweep, for which designs are timed.
+Index3 tile_edge(const Study& study);
 
 }  // namespace trebsweep
