@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "trebsweep/base/number.hpp"
 #include "trebsweep/job/study.hpp"
 
 namespace trebsweep {

@@ -104,8 +104,7 @@ bool compute_tiles(const Context& context, RankResults& results) {
   const double ranks = mpi::size(comm);
   double counted = start_time;  // the time up to which tallies count
   Compute compute(study);
-  const auto work = [&, &study = study, &tiling = tiling](std::uint64_t n,
-                                                          const std::function<void()>& poll) {
+  const auto work = [&, &tiling = tiling](std::uint64_t n, const std::function<void()>& poll) {
     const double begin = MPI_Wtime();
     auto [maps, tally] = compute.tile(tiling.tile(to_do[n]), poll);
     const double end = MPI_Wtime();
