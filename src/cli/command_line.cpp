@@ -167,6 +167,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   line.flight = given.count("flight") > 0;
   line.verify = given.count("verify") > 0;
   if (given.count("snapshot")) line.snapshot = text_of(given, "snapshot");
+  if (command == Command::info && line.json && (line.verify || !line.snapshot.empty()))
+    throw InputError("--json: must be left out with --verify and --snapshot");
   if (given.count("progress"))
     line.progress = static_cast<ProgressStyle>(
         place_of("progress", text_of(given, "progress"), progress_names));

@@ -99,6 +99,8 @@ TEST_CASE("The message about an invalid command line names what is wrong") {
   CHECK_THROWS_WITH(parse({"sweep", "a", "--progress", "loud"}),
                     contains("progress = loud: must be one of auto, bar, lines, none"));
   CHECK_THROWS_WITH(parse({"sweep", "a", "--r1", "1"}), contains("--r1"));
+  CHECK_THROWS_WITH(parse({"info", "a", "--json", "--verify"}),
+                    contains("--json: must be left out"));
   CHECK_THROWS_WITH(parse({"trace", "a", "--r1", "1"}), contains("--r3"));
   CHECK_THROWS_WITH(parse({"trace", "a", "--r1", "-1", "--r2", "1", "--r3", "1"}),
                     contains("r1 = -1: must be a number above 0"));
