@@ -28,7 +28,7 @@ build=$PWD/build/site
 rm -rf "$build"
 mkdir -p "$build/pages"
 find . \( -path ./build -o -path ./results -o -path './.*' \) -prune -o -type f \
-  \( -name '*.md' -o -path './analysis/pictures/*' -o -name '*.cfg' -o -name LICENSE -o -name CITATION.cff \) -print0 |
+  \( -name '*.md' -o -name '*.ipynb' -o -path './analysis/pictures/*' -o -name '*.cfg' -o -name LICENSE -o -name CITATION.cff \) -print0 |
   xargs -0 cp --parents -t "$build/pages"
 analysis/explorer/build.sh -o "$build/pages/explorer.html" --overwrite >/dev/null
 cat >"$build/mkdocs.yml" <<END

@@ -8,12 +8,13 @@ cd "$(dirname "$0")/.."
 
 packages=(cmake g++ libboost-dev libboost-program-options-dev libeigen3-dev libfmt-dev libhdf5-openmpi-dev
           libopenmpi-dev libxxhash-dev ninja-build nlohmann-json3-dev openmpi-bin python3-h5py
-          python3-matplotlib python3-numpy)
+          python3-matplotlib python3-numpy python3-pandas python3-xarray)
 options=(-DTREBSWEEP_TESTS=OFF) # other cached options are kept, which avoids a rebuild
 if [[ ${1:-} == --tests ]]; then
   options=(-DTREBSWEEP_TESTS=numerics -DTREBSWEEP_WERROR=ON -DTREBSWEEP_INSTRUCTION_SETS=supported)
-  packages+=(catch2 libgsl-dev libnlopt-dev libsundials-dev libudunits2-dev python3-ezdxf python3-h5netcdf python3-netcdf4
-             python3-xarray)
+  packages+=(catch2 libgsl-dev libnlopt-dev libsundials-dev libudunits2-dev mypy python3-dask python3-ezdxf
+             python3-h5netcdf python3-ipykernel python3-nbclient python3-netcdf4 python3-pip python3-setuptools
+             python3-venv)
 fi
 
 if [[ ${1:-} == --package ]]; then

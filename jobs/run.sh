@@ -46,23 +46,23 @@ mpirun -n "$ranks" $program sweep "$job" --output.file "$archive" "$@"
 explorer="A page that explores the design space in a browser: analysis/explorer/build.sh --archive $(printf %q "$archive")"
 
 if [[ $($program info "$archive") == *$'\nscenes '* ]]; then # a study: the optima of its scenes
-  $python analysis/study.py "$archive" -o "results/$name.png" | tee "results/$name.txt"
+  $python analysis/treb-plot study "$archive" -o "results/$name.png" | tee "results/$name.txt"
   echo "$explorer --at KEY=VALUE"
   exit
 fi
-$python analysis/heatmap.py "$archive" -o "results/$name.png"
+$python analysis/treb-plot heatmap "$archive" -o "results/$name.png"
 # The optimum between the designs of the lattice, if there is one: what `trebsweep optimum` reports, its swing and its
 # neighbourhood. The job is the archive's, with an accurate solver.
-design=$($python analysis/optimum.py "$archive" --continuous --job "results/$name-optimum.cfg" --overwrite)
+design=$($python analysis/treb-plot optimum "$archive" --continuous --job "results/$name-optimum.cfg" --overwrite)
 if [[ -n $design ]]; then
   mpirun -n "$ranks" $program optimum "results/$name-optimum.cfg" | tee "results/$name-optimum.txt"
   # shellcheck disable=SC2086  # three options with their values
   $program trace "results/$name-optimum.cfg" $design >"results/$name-swing.txt"
   # shellcheck disable=SC2086
   $program trace "results/$name-optimum.cfg" $design --flight >"results/$name-flight.txt"
-  $python analysis/trajectory.py "results/$name-swing.txt" --flight "results/$name-flight.txt" \
+  $python analysis/treb-plot trajectory "results/$name-swing.txt" --flight "results/$name-flight.txt" \
     -o "results/$name-swing.png"
-  $python analysis/neighbourhood.py "results/$name-optimum.cfg" -o "results/$name-neighbourhood.png"
-  $python analysis/build_sheet.py "results/$name-optimum.cfg" -n "$ranks" -o "results/$name-sheet.pdf"
+  $python analysis/treb-plot neighbourhood "results/$name-optimum.cfg" -o "results/$name-neighbourhood.png"
+  $python analysis/treb-plot sheet "results/$name-optimum.cfg" -n "$ranks" -o "results/$name-sheet.pdf"
 fi
 echo "$explorer"

@@ -15,7 +15,7 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(1, os.path.dirname(HERE))
 
-from program import Parser, check_new, refuse, run, write_text  # noqa: E402  # in analysis/
+from trebsweep.program import Parser, check_new, refuse, run, write_text  # noqa: E402  # in analysis/
 
 JOBS = os.path.join(HERE, "..", "..", "jobs")
 

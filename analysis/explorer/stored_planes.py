@@ -3,8 +3,10 @@
 import base64
 import gzip
 
-from archive import AXES, Archive, key_of
-from program import fail
+from trebsweep.accessor import key_of
+from trebsweep.backend import AXES
+from trebsweep.program import fail
+from trebsweep.scenes import load, only
 
 NOT_COMPUTED = ["steps", "speed_error", "stiffness", "decay_rate"]  # by the page
 LARGEST_COUNT = 150  # values kept along an axis; a finer lattice is thinned out
@@ -14,7 +16,7 @@ def stored_planes(path, at):
     """What stored.js shows of an archive, of a study the scene that `at` selects: name, job, field,
     design (m), progress (a text, empty if complete), an object {first, step, count} for each axis, and planes: by the
     axis that is constant, base64 of gzipped 32-bit floats."""
-    archive = Archive(path).scene(at)
+    archive = only(load(path), at)
     optimum = archive.optimum()
     if optimum is None:
         fail(f"{path}: has no optimum through which planes could be drawn: {archive.best_text()}")
@@ -22,20 +24,19 @@ def stored_planes(path, at):
 
     centre = [archive.nearest(axis, optimum[0][axis]) for axis in AXES]
     kept = [slice(index % stride, None, stride) for index, stride in zip(
-        centre, (-(-count // LARGEST_COUNT) for count in archive.shape))]
+        centre, (-(-count // LARGEST_COUNT) for count in (archive.data.sizes[axis] for axis in AXES)))]
 
     def plane(across):
         """Every stride-th value of the plane through the optimum on which an axis is constant."""
-        where = [centre[axis] if axis == across else slice(None) for axis in range(len(AXES))]
-        thinned = tuple(kept[axis] for axis in range(len(AXES)) if axis != across)
-        return packed(archive.read(dataset, where)[thinned])
+        where = [centre[axis] if axis == across else kept[axis] for axis in range(len(AXES))]
+        return packed(archive.data[dataset].isel(dict(zip(AXES, where))).values)
 
     return {
         "name": archive.name(),
-        "job": archive.attributes["job"],
+        "job": archive.job,
         "field": key_of(dataset),
         "progress": "" if archive.complete else archive.progress(),
-        "design": archive.design(centre),
+        "design": {axis: float(archive.axes[axis][i]) for axis, i in zip(AXES, centre)},
         **{axis: summary(archive.axes[axis][own]) for axis, own in zip(AXES, kept)},
         "planes": {axis: plane(across) for across, axis in enumerate(AXES)},
     }

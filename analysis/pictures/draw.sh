@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Draws the pictures of this directory that take seconds, as the program and the scripts draw them now.
+# Draws the pictures of this directory that take seconds, as the program and treb-plot draw them now.
 #
 #   analysis/pictures/draw.sh [DIRECTORY]      default: this directory
 #
-# TREBSWEEP is the program (default: build/release/trebsweep). assess-*.png, rules.png, literature.png, sobol.png and
+# TREBSWEEP is the program (default: build/release/trebsweep). assess-*.png, rules.png, literature.png, importance.png and
 # explorer.png take minutes, or a browser: their commands are in tests/README.md, analysis/results/rules.md,
 # analysis/README.md and tests/program/explorer_test.py.
 set -euo pipefail
@@ -16,8 +16,8 @@ directory=$(mktemp -d)
 trap 'rm -rf "$directory"' EXIT
 cd "$directory"
 
-draw() { # PICTURE SCRIPT ARGUMENTS...
-  "$python" -B "$repository/analysis/$2.py" -o "$pictures/$1" "${@:3}" >/dev/null
+draw() { # PICTURE SUBCOMMAND ARGUMENTS...
+  "$python" -B "$repository/analysis/treb-plot" "$2" -o "$pictures/$1" "${@:3}" >/dev/null
 }
 sweep() { # JOB ARCHIVE OPTIONS...
   "$program" sweep "$repository/jobs/$1.cfg" --output.file "$2" --progress none "${@:3}" >/dev/null
@@ -48,7 +48,7 @@ draw neighbourhood.png neighbourhood "$repository/jobs/accurate.cfg" --program "
 # Without the version, which changes.
 "$program" optimum "$repository/jobs/hobby.cfg" --json --progress none |
   sed 's/^  "version": .*/  "version": "trebsweep",/' >hobby.json
-draw sheet.png build_sheet hobby.json --program "$program"
+draw sheet.png sheet hobby.json --program "$program"
 
 sweep accurate masses.h5 --scene.projectile-mass "10, 20, 50, 100, 200, 300, 500, 700, 1000" \
   --lattice.increment 0.02 --optimum.refine yes --output.maps none

@@ -33,6 +33,8 @@ class Trebsweep(CMakePackage):
     depends_on("py-h5py", type="run")
     depends_on("py-matplotlib", type="run")
     depends_on("py-numpy", type="run")
+    depends_on("py-pandas", type="run")
+    depends_on("py-xarray", type="run")
 
     def cmake_args(self):
         return [self.define("TREBSWEEP_INSTRUCTION_SETS", "native" if "+native" in self.spec else "all")]

@@ -1,4 +1,4 @@
-"""analysis/build_sheet.py: the sheet to build a machine from."""
+"""treb-plot sheet: the sheet to build a machine from."""
 
 import json
 import re
@@ -7,12 +7,10 @@ import unittest
 import numpy as np
 
 from scripts import LABORATORY, ScriptTest
-import build_sheet
-import design_drawing
-import drawing
-from picture import plt
 from support import JOBS, PROGRAM
-from units import INCH, UNITS, feet_and_inches
+from trebsweep import design_drawing, drawing, sheet
+from trebsweep.picture import plt
+from trebsweep.units import INCH, UNITS, feet_and_inches
 
 try:
     import ezdxf
@@ -36,8 +34,8 @@ class BuildSheets(ScriptTest):
         for name, (text, lengths) in DESIGNS.items():
             axes = "".join(f"{axis} = {length}\n" for axis, length in zip(("r1", "r3", "r2"), lengths))
             job = cls.write(f"{name}.cfg", f"{text}[optimum]\nbuildable = no\n[lattice]\n{axes}")
-            optimum = build_sheet.read_optimum(job, PROGRAM, None)
-            cls.optima[name] = design_drawing.Machine(optimum, build_sheet.trace(optimum, PROGRAM))
+            optimum = sheet.read_optimum(job, PROGRAM, None)
+            cls.optima[name] = design_drawing.Machine(optimum, sheet.trace(optimum, PROGRAM))
 
     def machine(self, name, **lengths):
         """A machine, or one with other lengths, whose fields are those of the former."""
@@ -45,7 +43,7 @@ class BuildSheets(ScriptTest):
         if not lengths:
             return machine
         optimum = {**machine.optimum, **lengths}
-        return design_drawing.Machine(optimum, build_sheet.trace(optimum, PROGRAM))
+        return design_drawing.Machine(optimum, sheet.trace(optimum, PROGRAM))
 
     def machines(self):
         """(name, machine) of all designs, some also with a very short and a very long sling."""
@@ -58,7 +56,7 @@ class BuildSheets(ScriptTest):
         for name, machine in self.machines():
             for units, paper in (("si", "a4"), ("us", "letter")):
                 with self.subTest(machine=name, units=units):
-                    figure = build_sheet.draw_page(machine, name, UNITS[units], paper)
+                    figure = sheet.draw_page(machine, name, UNITS[units], paper)
                     self.addCleanup(plt.close, figure)
                     figure.canvas.draw()
                     axes = figure.axes[0]
@@ -80,7 +78,7 @@ class BuildSheets(ScriptTest):
             for units, factor in (("si", 1), ("us", 1 / INCH)):
                 with self.subTest(machine=name, units=units):
                     self.write(f"{name}.json", json.dumps(machine.optimum))
-                    self.run_script("build_sheet.py", f"{name}.json", "--units", units, "-o", "sheet.dxf",
+                    self.run_script("sheet", f"{name}.json", "--units", units, "-o", "sheet.dxf",
                                     "--overwrite", "--program", PROGRAM)
                     document = ezdxf.readfile(self.path("sheet.dxf"))
                     self.assertEqual(document.audit().errors, [])
@@ -97,7 +95,7 @@ class BuildSheets(ScriptTest):
 
     def test_the_sheet_lists_loads_masses_tolerances_and_warnings(self):
         machine = self.optima["laboratory"]
-        tables = build_sheet.texts(machine, UNITS["si"])
+        tables = sheet.texts(machine, UNITS["si"])
         rows = {row[0]: row[1:] for table in tables.values() for row in table}
         self.assertEqual(rows["throwing arm r2"][0], "0.975 m")
         self.assertRegex(rows["throwing arm r2"][1], r"^-\d+ mm / (\+\d+ mm|any)$")
@@ -105,7 +103,7 @@ class BuildSheets(ScriptTest):
         self.assertEqual(rows["range"][0], "42.8 m")
         self.assertEqual(rows["counterweight"][0], "53.9 kg")
         self.assertEqual(rows["beam"][0], "4.86 kg, measured")
-        figure = build_sheet.draw_page(machine, "laboratory", UNITS["si"], "a4")
+        figure = sheet.draw_page(machine, "laboratory", UNITS["si"], "a4")
         self.addCleanup(plt.close, figure)
         warnings = [text.get_text() for text in figure.texts if text.get_text().startswith("Warning: ")]
         self.assertEqual(warnings, [f"Warning: {text}" for text in machine.optimum["warnings"]])
@@ -113,17 +111,17 @@ class BuildSheets(ScriptTest):
     def test_a_sheet_is_a_page_in_every_format_and_other_files_are_refused(self):
         self.write("lab.json", json.dumps(self.optima["laboratory"].optimum))
         for paper, size in (("a4", (842, 595)), ("letter", (792, 612))):
-            self.run_script("build_sheet.py", "lab.json", "--paper", paper, "-o", f"{paper}.pdf", "--program", PROGRAM)
+            self.run_script("sheet", "lab.json", "--paper", paper, "-o", f"{paper}.pdf", "--program", PROGRAM)
             box = re.search(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", self.read(f"{paper}.pdf"))
             self.assertEqual(tuple(round(float(length)) for length in box.groups()), size)
-        self.run_script("build_sheet.py", "lab.json", "-o", "sheet.svg", "--program", PROGRAM)
+        self.run_script("sheet", "lab.json", "-o", "sheet.svg", "--program", PROGRAM)
         self.assert_picture("sheet.svg")
-        self.run_script("build_sheet.py", "lab.json", "-o", "sheet.xyz", code=2, says="output = sheet.xyz: must end")
-        self.run_script("build_sheet.py", "none.json", code=1, says="none.json: no such file")
+        self.run_script("sheet", "lab.json", "-o", "sheet.xyz", code=2, says="output = sheet.xyz: must end")
+        self.run_script("sheet", "none.json", code=1, says="none.json: no such file")
         self.write("bad.json", "{\"speed\": 1}")
-        self.run_script("build_sheet.py", "bad.json", code=1, says="bad.json: is not an optimum")
+        self.run_script("sheet", "bad.json", code=1, says="bad.json: is not an optimum")
         self.write("empty.json", "")
-        self.run_script("build_sheet.py", "empty.json", code=1, says="empty.json: is empty; did trebsweep")
+        self.run_script("sheet", "empty.json", code=1, says="empty.json: is empty; did trebsweep")
 
     def test_limits_are_in_the_units_of_the_sheet(self):
         optimum = {"units": {"counterweight-mass": "kg"},
@@ -138,7 +136,7 @@ class BuildSheets(ScriptTest):
                              ("counterweight-mass <= 45.359237", "counterweight-mass <= 45.4 kg",
                               "counterweight-mass <= 100 lb"), ("r1 <= h0 - r4",) * 3,
                              ("r1 / r2 <= 0.25", "r1 / r2 <= 0.25", "r1 / r2 <= 0.25"), ("no release",) * 3):
-            self.assertEqual([build_sheet.limit_text(optimum, text, UNITS[name]) for name in ("si", "us")], [si, us])
+            self.assertEqual([sheet.limit_text(optimum, text, UNITS[name]) for name in ("si", "us")], [si, us])
 
     def test_feet_and_inches_are_exact_to_a_sixteenth(self):
         for metres, text in ((0.3048, "1 ft 0 in"), (INCH / 2, "0.50 in"), (5 * INCH + INCH * 3 / 8, "5 3/8 in"),

@@ -1,4 +1,4 @@
-"""analysis/heatmap.py: maps of an archive."""
+"""treb-plot heatmap: maps of an archive."""
 
 import contextlib
 import io
@@ -10,12 +10,12 @@ import unittest.mock
 
 import numpy as np
 
-from scripts import ANALYSIS, FIELDS, LABORATORY_FIELDS, PictureTest
-import heatmap
-import maps
-from archive import AXES, Archive
+from scripts import FIELDS, LABORATORY_FIELDS, TREB_PLOT, PictureTest
 from archives import h5py
-from picture import plt
+from trebsweep import heatmap, maps
+from trebsweep.backend import AXES
+from trebsweep.picture import plt
+from trebsweep.scenes import load
 from support import PROGRAM
 
 
@@ -28,7 +28,7 @@ class Heatmaps(PictureTest):
 
         for archive, field in (*(("loads", field) for field in FIELDS.split(", ")),
                                *(("laboratory", field) for field in LABORATORY_FIELDS.split(", "))):
-            command = ["heatmap.py", self.path(f"{archive}.h5"), "--field", field]
+            command = ["heatmap", self.path(f"{archive}.h5"), "--field", field]
             with unittest.mock.patch("sys.argv", command), \
                     unittest.mock.patch.object(plt.Figure, "savefig", save_small), \
                     contextlib.redirect_stdout(io.StringIO()), \
@@ -39,20 +39,20 @@ class Heatmaps(PictureTest):
 
     def test_an_output_name_without_suffix_is_kept_and_holds_a_png(self):
         self.trace()
-        for script, source in (("heatmap.py", ["paper.h5"]), ("trajectory.py", ["table.txt"]),
-                               ("compare.py", ["paper.h5", "accurate.h5"]),
-                               ("loads.py", ["paper.h5", "--count", "1", "--program", PROGRAM])):
+        for script, source in (("heatmap", ["paper.h5"]), ("trajectory", ["table.txt"]),
+                               ("compare", ["paper.h5", "accurate.h5"]),
+                               ("loads", ["paper.h5", "--count", "1", "--program", PROGRAM])):
             with self.subTest(script=script):
-                name = f"picture of {script}".removesuffix(".py")
+                name = f"picture of {script}"
                 self.run_script(script, *source, "-o", name)
                 self.assert_picture(name, "png")
 
     def test_input_files_are_not_overwritten(self):
         shutil.copy(self.path("paper.h5"), self.path("archive"))
         before = self.read("archive")
-        for script, option in (("heatmap.py", "-o"), ("loads.py", "-o"), ("optimum.py", "--job")):
+        for script, option in (("heatmap", "-o"), ("loads", "-o"), ("optimum", "--job")):
             self.run_script(script, "archive", option, "archive", code=2, says="archive")
-        self.run_script("compare.py", "paper.h5", "archive", "-o", "archive", code=2, says="archive")
+        self.run_script("compare", "paper.h5", "archive", "-o", "archive", code=2, says="archive")
         self.assertEqual(self.read("archive"), before)
 
     def test_labels_stay_inside_the_picture_for_long_names(self):
@@ -62,11 +62,11 @@ class Heatmaps(PictureTest):
         for source in ("loads", "accurate", "flat", "thin"):
             shutil.copy(self.path(f"{source}.h5"), self.path(f"{source}_{name}.h5"))
         for script, *arguments in (
-                ("heatmap.py", f"loads_{name}.h5", "--field", "energy-drift"),
-                ("heatmap.py", f"flat_{name}.h5"), ("heatmap.py", f"thin_{name}.h5"),
-                ("heatmap.py", f"thin_{name}.h5", "--field", "status"),
-                ("compare.py", f"loads_{name}.h5", f"accurate_{name}.h5"),
-                ("loads.py", f"loads_{name}.h5", "--count", "1", "--program", PROGRAM)):
+                ("heatmap", f"loads_{name}.h5", "--field", "energy-drift"),
+                ("heatmap", f"flat_{name}.h5"), ("heatmap", f"thin_{name}.h5"),
+                ("heatmap", f"thin_{name}.h5", "--field", "status"),
+                ("compare", f"loads_{name}.h5", f"accurate_{name}.h5"),
+                ("loads", f"loads_{name}.h5", "--count", "1", "--program", PROGRAM)):
             with self.subTest(script=script, arguments=arguments):
                 self.run_script(script, *arguments, "-o", "long.png")
                 pixels = plt.imread(self.path("long.png"))[..., :3]
@@ -75,7 +75,7 @@ class Heatmaps(PictureTest):
 
     def test_names_with_markup_or_without_glyphs_are_drawn(self):
         shutil.copy(self.path("paper.h5"), self.path("$r_1$^ \u5f29.h5"))
-        self.run_script("heatmap.py", "$r_1$^ \u5f29.h5", "-o", "markup.png")
+        self.run_script("heatmap", "$r_1$^ \u5f29.h5", "-o", "markup.png")
 
     def test_three_free_axes_give_planes_two_a_plane_and_one_a_line(self):
         self.sweep("accurate", "--lattice.r3", "0.58", name="plane")
@@ -88,8 +88,8 @@ class Heatmaps(PictureTest):
             line = self.figure("line.h5", "speed").axes[0].get_lines()[0]
             np.testing.assert_array_equal(line.get_xdata(), file["r2"])
             np.testing.assert_array_equal(line.get_ydata(), np.ravel(file["speed"]))
-        self.run_script("compare.py", "plane.h5", "plane.h5", "-o", "plane.png")
-        self.run_script("compare.py", "line.h5", "line.h5", "-o", "line.png")
+        self.run_script("compare", "plane.h5", "plane.h5", "-o", "plane.png")
+        self.run_script("compare", "line.h5", "line.h5", "-o", "line.png")
 
     def test_tick_labels_with_many_digits_do_not_overlap(self):
         self.sweep("accurate", "--lattice.r1", "0.510001:0.510003:0.000001", "--lattice.r3",
@@ -108,12 +108,12 @@ class Heatmaps(PictureTest):
                             "--lattice.r2", "0.9", name="single")
         with h5py.File(single) as file:
             speed = file.attrs["best_speed"]
-        done = self.run_script("heatmap.py", "single.h5", "-o", "single.png",
+        done = self.run_script("heatmap", "single.h5", "-o", "single.png",
                                says="single.h5: holds a single design")
         self.assertRegex(done.stdout, r"(?m)^r2 +0\.9 m$")
         self.assertRegex(done.stdout, rf"(?m)^speed +{speed:.10g} m/s$")
         self.assertRegex(done.stdout, r"(?m)^status +released$")
-        self.run_script("compare.py", "single.h5", "single.h5", says="no picture")
+        self.run_script("compare", "single.h5", "single.h5", says="no picture")
         self.assertFalse(os.path.exists(self.path("single.png")))
 
     def test_contours_have_the_same_levels_in_all_panels_and_labels_that_differ_from_their_ground(self):
@@ -145,7 +145,7 @@ class Heatmaps(PictureTest):
         self.assertIn(4, maps.contour_levels([flat, steep]))
 
     def test_every_status_has_a_colour_of_its_own(self):
-        meanings = Archive(self.path("paper.h5")).meanings("status")
+        meanings = load(self.path("paper.h5")).meanings("status")
         style = maps.flag_colours(meanings)
         colours = {style["cmap"](style["norm"](flag)) for flag in range(len(meanings))}
         self.assertEqual(len(colours), len(meanings))
@@ -196,14 +196,14 @@ class Heatmaps(PictureTest):
                 figure = self.figure("within.h5", field)
                 self.assertEqual(self.star(figure), design)
                 self.assertIn(words, figure._suptitle.get_text())
-        done = self.run_script("compare.py", "accurate.h5", "within.h5", "-o", "within.png")
+        done = self.run_script("compare", "accurate.h5", "within.h5", "-o", "within.png")
         self.assertIn(f"B         within.h5: range {value:.10g} m at ", done.stdout)
         self.assertRegex(done.stdout, r"A         accurate.h5: [\d.]+ m/s at ")
-        self.assertEqual(self.run_script("optimum.py", "within.h5").stdout,
+        self.assertEqual(self.run_script("optimum", "within.h5").stdout,
                          " ".join(f"--{axis} {float(optimum[axis])!r}" for axis in AXES) + "\n")
         self.sweep("accurate", "--optimum.subject-to", "speed >= 100", name="none")
         self.assertIn("none.h5: has no optimum: no released design qualifies\n",
-                      self.run_command(sys.executable, f"{ANALYSIS}/optimum.py", "none.h5").stderr)
+                      self.run_command(sys.executable, "-B", TREB_PLOT, "optimum", "none.h5").stderr)
 
     def test_units_have_prefixes_that_suit_the_values(self):
         self.sweep("accurate", "--output.fields", "speed, peak-axle-load, peak-beam-stress",

@@ -1,19 +1,18 @@
-"""analysis/machine.py: sketches of a machine."""
+"""treb-plot machine: sketches of a machine."""
 
 import unittest
 
 import numpy as np
 
 from scripts import ScriptTest
-import machine
-import trajectory
-from picture import plt
+from trebsweep import machine, swing
+from trebsweep.picture import plt
 
 
 class Machine(ScriptTest):
     def assert_traced(self, sketch, *options, design):
         """The three moments are those of a traced swing."""
-        rows = trajectory.read_table(self.trace("--interval", "0.02", *options, design=design)).rows
+        rows = swing.read_swing(self.trace("--interval", "0.02", *options, design=design))
         last = len(rows["t"]) - 1
         middle = int(np.argmin(np.abs(rows["phi1"] - sketch.middle[0])))
         hinge = "h" if sketch.r4 else "1"
@@ -50,11 +49,11 @@ class Machine(ScriptTest):
 
     def test_the_sketch_is_drawn(self):
         for name, options in (("machine.svg", ()), ("built.svg", ("--built",))):
-            self.run_script("machine.py", *options)
+            self.run_script("machine", *options)
             self.assert_picture(name)
-        self.run_script("machine.py", "-o", "sketch.png")
+        self.run_script("machine", "-o", "sketch.png")
         self.assert_picture("sketch.png")
-        self.run_script("machine.py", "-o", "sketch.xyz", code=2, says="output = sketch.xyz: must end")
+        self.run_script("machine", "-o", "sketch.xyz", code=2, says="output = sketch.xyz: must end")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 
 from scripts import ScriptTest  # first: it makes the modules of analysis/ importable
-from picture import plt
+from trebsweep.picture import plt
 from support import PROGRAM, REPOSITORY
 
 PICTURES = os.path.join(REPOSITORY, "analysis", "pictures")

@@ -1,4 +1,4 @@
-"""Rules of thumb: analysis/rules.py, its job files, and the commands of analysis/results/rules.md.
+"""Rules of thumb: treb-plot rules, its job files, and the commands of analysis/results/rules.md.
 
 Needs TREBSWEEP (the program) in the environment.
 """
@@ -19,9 +19,9 @@ import h5py
 import numpy as np
 
 from scripts import ScriptTest  # first: it makes the modules of analysis/ importable
-import rules
-from archive import Archive
-from picture import plt
+from trebsweep import Error, rules
+from trebsweep.picture import plt
+from trebsweep.scenes import load, select
 from support import PROGRAM, REPOSITORY
 
 PAGE = os.path.join(REPOSITORY, "analysis", "results", "rules.md")
@@ -42,7 +42,7 @@ class Rules(ScriptTest):
 
     def findings(self, free=(), among="~(r2 >= 0.8)"):
         value, considered, shown = (rules.Expression("test", text) for text in ("speed * r2", among, "r1"))
-        return rules.Findings(Archive(self.path("rules.h5")).select(()), free, value, considered, [shown],
+        return rules.Findings(select(load(self.path("rules.h5")), ()), free, value, considered, [shown],
                               [rules.Expression("rule", text) for text in RULES])
 
     def designs(self, i, j):
@@ -81,7 +81,7 @@ class Rules(ScriptTest):
 
     def test_the_tables_show_the_costs(self):
         findings = self.findings()
-        done = self.run_script("rules.py", "rules.h5", "--value", "speed * r2", "--among", "r2 < 0.8",
+        done = self.run_script("rules", "rules.h5", "--value", "speed * r2", "--among", "r2 < 0.8",
                                "--show", "r1", *(word for rule in RULES for word in ("--rule", rule)))
         rows = [line.split() for line in done.stdout.splitlines()[1:7]]
         for row, scene in zip(rows, itertools.product(range(3), range(2))):
@@ -92,18 +92,18 @@ class Rules(ScriptTest):
                           done.stdout)
 
     def test_a_rule_that_no_design_follows_has_no_cost(self):
-        done = self.run_script("rules.py", "rules.h5", "--rule", "r1 > 9", "-o", "none.png")
+        done = self.run_script("rules", "rules.h5", "--rule", "r1 > 9", "-o", "none.png")
         self.assertIn("rule 1: r1 > 9\n  no design follows it in 6 of 6 scenes\n", done.stdout)
         self.assertNotIn("costs", done.stdout)
         self.assertEqual([line.split()[-1] for line in done.stdout.splitlines()[1:7]], ["-"] * 6)
 
     def test_costs_are_drawn_over_one_and_two_axes(self):
         for options in ((), ("--at", "release-height=2"), ("--free", "release-height")):
-            self.run_script("rules.py", "rules.h5", "--rule", "r1 < r2", "--rule", "r1 > 9", *options, "-o", "costs.png")
+            self.run_script("rules", "rules.h5", "--rule", "r1 < r2", "--rule", "r1 > 9", *options, "-o", "costs.png")
             self.assert_picture("costs.png")
 
     def test_the_colour_bar_says_where_costs_are_beyond_its_scale(self):
-        archive = Archive(self.path("rules.h5")).select(())
+        archive = select(load(self.path("rules.h5")), ())
         findings = self.findings()
         for factor, beyond in ((0.4 / np.nanmax(findings.costs), False), (1.02 / np.nanmax(findings.costs), True)):
             scaled = copy.copy(findings)
@@ -134,21 +134,19 @@ class Rules(ScriptTest):
                 (("--rule", "r1 < r2", "--free", "release-height", "--at", "projectile-mass=50", "-o", "costs.png"),
                  "output = costs.png: needs a rule")):
             with self.subTest(options=options):
-                self.run_script("rules.py", "rules.h5", *options, code=2, says=says)
+                self.run_script("rules", "rules.h5", *options, code=2, says=says)
 
     def test_expressions_can_only_compute(self):
-        archive = Archive(self.path("rules.h5")).scene([("projectile-mass", 50), ("release-height", 2)])
+        archive = load(self.path("rules.h5")).only([("projectile-mass", 50), ("release-height", 2)])
         for text in ("r1.real > 0", "().__class__", "__builtins__ > 0", "__import__('os')", "open('file')",
                      "eval('1')", "sqrt.at > 0", "[r1][0] > 0", "(lambda: r1)()", "r1 if r1 else r2", "(x := r1) > 0",
                      "f'{r1}'", "'text' < r1", "r1 < 1j", "r1 < True", "abs(r1, r2)", "abs(x=r1)", "abs(*r1)",
                      "sum(r1)", "sqrt > 0", "r1 < r2 < r3", "r1 < 1 and r2 < 1", "not r1", "r1 % 2", "r1 @ r2",
                      "1" + 400 * "0", 3000 * "-" + "1", 300 * "("):
-            with self.subTest(text=text[:40]), contextlib.redirect_stderr(io.StringIO()) as errors, \
-                    self.assertRaises(SystemExit) as end:
-                rules.Expression("rule", text).values(archive)
-            self.assertEqual(end.exception.code, 2)
-            self.assertEqual(errors.getvalue().count("\n"), 1)
-            self.assertIn(f"rule = {text}: ", errors.getvalue())
+            with self.subTest(text=text[:40]), self.assertRaises(Error) as refusal:
+                rules.Expression("rule", text).values(archive.data)
+            self.assertEqual(refusal.exception.code, 2)
+            self.assertTrue(str(refusal.exception).startswith(f"rule = {' '.join(text.split())}: "), refusal.exception)
 
 
 class RulesPage(ScriptTest):
@@ -157,7 +155,7 @@ class RulesPage(ScriptTest):
     RECORD = "\n".join(f"{name}() {{ {body}; }}" for name, body in {
         "cmake": ":", "mpirun": 'shift 2; "$@"', "python3": "cat > /dev/null",
         **{name: f"printf '%q ' {name} \"$@\" >> commands; echo >> commands"
-           for name in ("trebsweep", "analysis/rules.py", "analysis/study.py")}}.items())
+           for name in ("trebsweep", "analysis/treb-plot")}}.items())
 
     @classmethod
     def setUpClass(cls):
@@ -176,7 +174,7 @@ class RulesPage(ScriptTest):
         usages = {}
         for program, *words in self.commands:
             command = (PROGRAM, words[0]) if program == "trebsweep" else (
-                sys.executable, "-B", os.path.join(REPOSITORY, program))
+                sys.executable, "-B", os.path.join(REPOSITORY, program), words[0])
             if command not in usages:
                 usages[command] = self.run_command(*command, "--help").stdout
             for option in words:
@@ -189,12 +187,12 @@ class RulesPage(ScriptTest):
                 self.assertEqual(file["best_value"].size, scenes)
 
     def test_the_expressions_are_about_what_the_archives_hold(self):
-        own = [words for program, *words in self.commands
-               if program == "analysis/rules.py" and words[0] in ("rules.h5", "literature.h5")]
+        own = [words for program, subcommand, *words in self.commands
+               if subcommand == "rules" and words[0] in ("rules.h5", "literature.h5")]
         self.assertGreaterEqual(len(own), 8)
         for words in own:
             arguments = [self.path(word) if word.endswith((".h5", ".png")) else word for word in words]
-            with self.subTest(words=words), unittest.mock.patch("sys.argv", ["rules.py", *arguments]), \
+            with self.subTest(words=words), unittest.mock.patch("sys.argv", ["rules", *arguments]), \
                     contextlib.redirect_stdout(io.StringIO()) as out:
                 rules.main()
             self.assertEqual(len(re.findall(r"(?m)^rule \d+: ", out.getvalue())), words.count("--rule"))

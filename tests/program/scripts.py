@@ -1,4 +1,4 @@
-"""Shared by the tests of the scripts of analysis/, whose modules can be imported after this one."""
+"""Shared by the tests of treb-plot and of the package trebsweep, which can be imported after this one."""
 
 import os
 import runpy
@@ -14,17 +14,18 @@ from support import JOBS, PROGRAM, REPOSITORY, DirectoryTest
 ANALYSIS = os.path.join(REPOSITORY, "analysis")
 sys.dont_write_bytecode = True
 sys.path.insert(0, ANALYSIS)
-import heatmap
-from archive import AXES, OPTIMUM, Archive
 from archives import h5py, tiles
-from picture import plt
+from trebsweep import cli, heatmap
+from trebsweep.backend import AXES, OPTIMUM
+from trebsweep.picture import plt
+from trebsweep.scenes import load, only
 
 plt.figure  # imports matplotlib, before the first fork
+TREB_PLOT = os.path.join(ANALYSIS, "treb-plot")
 
 SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml", "eps": b"%!PS", "jpg": b"\xff\xd8"}
-SCRIPTS = ("assess.py", "compare.py", "heatmap.py", "loads.py", "optimum.py", "rules.py", "sobol.py", "study.py",
-           "trajectory.py")
-EVERY_SCRIPT = (*SCRIPTS, "machine.py", "neighbourhood.py")
+SUBCOMMANDS = ("assess", "compare", "heatmap", "importance", "loads", "optimum", "rules", "study", "trajectory")
+EVERY_SUBCOMMAND = tuple(cli.COMMANDS)
 FIELDS = "speed, status, slack, release-time, peak-axle-load, peak-beam-stress, range, energy-drift"
 DESIGN = ("--r1", "0.51", "--r2", "0.91", "--r3", "0.58")
 # The laboratory machine of arXiv:2502.19442.
@@ -51,8 +52,8 @@ LABORATORY_FIELDS = "speed, status, range, flight-time, impact-speed, apex, lift
                     "pin-angle, peak-hanger-tension"
 
 
-def run_forked(directory, script, *arguments):
-    """Runs a script in a copy of this process, in which its packages are imported; that would take a second each time.
+def run_forked(directory, *words):
+    """Runs treb-plot, or a script, in a copy of this process, in which its packages are imported; that would take a second each time.
     Returns what subprocess.run() would."""
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
         child = os.fork()
@@ -64,12 +65,11 @@ def run_forked(directory, script, *arguments):
                     os.dup2(file.fileno(), stream)
                 sys.stdout, sys.stderr = open(1, "w", closefd=False), open(2, "w", closefd=False)
                 os.chdir(directory)
-                sys.argv = [script, *arguments]
-                for name, module in list(sys.modules.items()):  # the scripts' own take their names from sys.argv
-                    if os.path.dirname(getattr(module, "__file__", None) or "") == ANALYSIS:
-                        del sys.modules[name]
-                runpy.run_path(script, run_name="__main__")
-                code = 0
+                if words[0].endswith(".py"):
+                    sys.argv = [*words]
+                    runpy.run_path(words[0], run_name="__main__")
+                sys.argv = [TREB_PLOT, *words]
+                cli.main()
             except SystemExit as end:
                 code = end.code if isinstance(end.code, int) else int(end.code is not None)
             except BaseException:
@@ -80,11 +80,11 @@ def run_forked(directory, script, *arguments):
         code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         out.seek(0)
         err.seek(0)
-        return subprocess.CompletedProcess([script, *arguments], code, out.read(), err.read())
+        return subprocess.CompletedProcess(["treb-plot", *words], code, out.read(), err.read())
 
 
 class ScriptTest(DirectoryTest):
-    """Tests that run the scripts."""
+    """Tests that run treb-plot."""
 
     @classmethod
     def sweep(cls, job, *options, name=None, increment="0.05"):
@@ -95,9 +95,9 @@ class ScriptTest(DirectoryTest):
                        check=True, capture_output=True, timeout=120)
         return archive
 
-    def run_script(self, script, *arguments, code=0, says=""):
-        """Runs a script, which prints nothing on stderr, or one line that contains `says`."""
-        done = run_forked(self.directory, f"{ANALYSIS}/{script}", *arguments)
+    def run_script(self, *words, code=0, says=""):
+        """Runs treb-plot, which prints nothing on stderr, or one line that contains `says`."""
+        done = run_forked(self.directory, *words)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         self.assertIn(says, done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1 if says else 0, done.stderr)
@@ -142,8 +142,8 @@ class PictureTest(ScriptTest):
         cls.sweep(cls.path("laboratory"), "--output.fields", LABORATORY_FIELDS, name="laboratory")
 
     def figure(self, archive, field, **chosen):
-        """The figure that heatmap.py draws."""
-        figure = heatmap.picture(Archive(self.path(archive)), field, chosen)
+        """The figure that treb-plot heatmap draws."""
+        figure = heatmap.picture(only(load(self.path(archive))), field, chosen)
         self.addCleanup(plt.close, figure)
         return figure
 

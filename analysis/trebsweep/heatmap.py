@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Draws a map of an archive.
 
 A sweep over three axes is drawn as the three planes through the best design in the quantity drawn,
@@ -10,17 +9,18 @@ table, and no picture is written.
 
 Cells outside the lattice are left blank, and so are designs that an unfinished sweep has not done.
 
-  heatmap.py accurate.h5                               speed -> accurate-speed.png
-  heatmap.py accurate.h5 --field status --r1 0.7
-  heatmap.py accurate.h5 --field peak-axle-load -o loads.pdf
-  heatmap.py study.h5 --at projectile-mass=100         -> study-projectile-mass=100-speed.png
+  treb-plot heatmap accurate.h5                               speed -> accurate-speed.png
+  treb-plot heatmap accurate.h5 --field status --r1 0.7
+  treb-plot heatmap accurate.h5 --field peak-axle-load -o loads.pdf
+  treb-plot heatmap study.h5 --at projectile-mass=100         -> study-projectile-mass=100-speed.png
 """
 
-from program import Parser, note, run  # before modules that may be missing
-
-from archive import AXES, Archive, design_text, stem
-from maps import draw, finite_values, flag_colours, middle, scaled, shows, slices, views
-from picture import OUTPUT_HELP, check_output, labelled, readable_unit, save
+from .accessor import design_text, stem
+from .backend import AXES
+from .maps import draw, finite_values, flag_colours, middle, scaled, shows, slices, views
+from .picture import add_output, check_output, labelled, readable_unit, save
+from .program import Parser, note
+from .scenes import load, only
 
 # Fields whose best value is the largest or the smallest; in others, and in the objective, the star
 # marks the sweep's optimum.
@@ -28,6 +28,11 @@ LARGEST = ("speed", "kinetic_energy", "efficiency", "range", "flight_time", "imp
            "least_sling_tension")
 SMALLEST = ("release_time", "lift_off_time", "steps", "stiffness", "peak_sling_tension",
             "peak_axle_load", "peak_beam_stress", "peak_hanger_tension")
+
+
+def default_field(archive):
+    """The field that is drawn by default."""
+    return "speed" if "speed" in archive.fields else next(iter(archive.fields), "speed")
 
 
 def best(archive, field):
@@ -38,10 +43,10 @@ def best(archive, field):
         optimum = archive.optimum()
         return optimum and optimum[0], f"{archive.best_word()}{so_far}: {archive.best_text()}"
     word = ("largest" if field in LARGEST else "smallest") + so_far
-    found = archive.extreme(field, field in LARGEST)
-    if found is None:
+    found = archive.best(1, field if field in LARGEST else f"-{field}")
+    if found.empty:
         return None, f"{word}: none"
-    design, value = found
+    design, value = {name: found[name][0] for name in AXES}, found[field][0]
     factor, unit = readable_unit(archive.unit(field), abs(value))
     amount = f"{factor * value:.6g} {unit}".rstrip()
     return design, f"{word}: {amount} at {design_text(design)}"
@@ -50,10 +55,10 @@ def best(archive, field):
 def title(archive, field):
     """The title: the archive, the field and the solver."""
     text = f"{archive.name()}: {archive.long_name(field)}"
-    stepper = archive.job.get(("solver", "stepper"))
+    stepper = archive.keys.get(("solver", "stepper"))
     if stepper:
-        key = "time-step" if ("solver", "time-step") in archive.job else "tolerance"
-        value = archive.job.get(("solver", key))
+        key = "time-step" if ("solver", "time-step") in archive.keys else "tolerance"
+        value = archive.keys.get(("solver", key))
         unit = " s" if key == "time-step" else ""
         text += f" ({stepper}, {key.replace('-', ' ')} {value}{unit})" if value else f" ({stepper})"
     return text if archive.complete else f"{text}; {archive.progress()}"
@@ -81,9 +86,9 @@ def picture(archive, field, chosen):
 
 def print_design(archive, fields):
     """Prints the values of a lattice with one design."""
-    rows = [(name, f"{archive.axes[name][0]:g}", "m") for name in AXES]
+    rows = [(name, f"{archive.data[name].item():g}", "m") for name in AXES]
     for field in fields:
-        value = archive.read(field).item()
+        value = archive.data[field].item()
         text = (f"{value:.10g}" if archive.is_number(field) else
                 dict(enumerate(archive.meanings(field))).get(value, value))
         rows.append((field.replace("_", "-"), text, archive.unit(field)))
@@ -102,14 +107,12 @@ def main():
         parser.add_argument(f"--{axis}", type=float, metavar="M",
                             help=f"draw the plane at this value of the axis {axis}, in m "
                             "(default: the best design's)")
-    parser.add_argument("-o", "--output", metavar="PICTURE", help=OUTPUT_HELP +
-                        "default: the archive's name with the field's and .png")
+    add_output(parser, "the archive's name with the field's and .png")
     arguments = parser.parse_args()
 
-    archive = Archive(arguments.archive)
-    default = "speed" if "speed" in archive.fields else next(iter(archive.fields), "speed")
-    field = archive.field(arguments.field or default)
-    archive = archive.scene(arguments.at)
+    archive = load(arguments.archive)
+    field = archive.field(arguments.field or default_field(archive))
+    archive = only(archive, arguments.at)
     chosen = {name: getattr(arguments, name) for name in AXES
               if getattr(arguments, name) is not None}
     for axis, value in chosen.items():
@@ -122,7 +125,3 @@ def main():
     else:
         print_design(archive, [field] if arguments.field else archive.fields)
         note(f"{arguments.archive}: holds a single design, printed as a table; no picture is drawn")
-
-
-if __name__ == "__main__":
-    run(main)

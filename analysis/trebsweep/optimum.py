@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Prints the optimum of an archive as options of `trebsweep trace`.
 
 The optimum is the design with the largest optimum.objective, by default the fastest, among those
@@ -6,17 +5,14 @@ that satisfy the job's constraints; in an unfinished sweep, that of the designs 
 --continuous it is the one that `trebsweep optimum` finds between the designs of the lattice.
 Without an optimum, nothing is printed on stdout, and the exit code is 0.
 
-  trebsweep trace as-run.cfg $(optimum.py accurate.h5 --job as-run.cfg) > swing.txt
+  trebsweep trace as-run.cfg $(treb-plot optimum accurate.h5 --job as-run.cfg) > swing.txt
 """
 
-import os
-import tempfile
-
-from program import Parser, check_new, note, run, write_text  # before missing modules
-
-from archive import AXES, Archive
-from job import accurate_job, job_text
-from launch import PROGRAM_HELP, find_program, parse_optimum, run_program
+from .backend import AXES
+from .job import accurate_job, job_text
+from .launch import PROGRAM_HELP, command, find_program, parse_optimum
+from .program import Parser, check_new, note, write_text
+from .scenes import load, only
 
 NO_OPTIMUM = 1  # exit code of `trebsweep optimum`
 
@@ -31,10 +27,7 @@ def lattice_optimum(archive):
 
 def continuous_optimum(program, text):
     """{axis: value in m} of the optimum that a search with the job `text` finds, or None."""
-    with tempfile.TemporaryDirectory() as directory:
-        job = os.path.join(directory, "job.cfg")
-        write_text(job, text)
-        done = run_program(program, "optimum", job, "--json")
+    done = command("optimum", text, "--json", program=program)
     if done.returncode == NO_OPTIMUM and done.stderr:
         note(done.stderr)
         return None
@@ -57,10 +50,10 @@ def main():
 
     if arguments.job:
         check_new("job", arguments.job, arguments.overwrite, arguments.archive)
-    archive = Archive(arguments.archive).scene(arguments.at)
+    archive = only(load(arguments.archive), arguments.at)
     # The search is in the archive's scene, also if the job has variables.
-    lengths_only = {**archive.job, ("optimum", "variables"): ""}
-    job = job_text(accurate_job(lengths_only)) if arguments.continuous else archive.attributes["job"]
+    lengths_only = {**archive.keys, ("optimum", "variables"): ""}
+    job = job_text(accurate_job(lengths_only)) if arguments.continuous else archive.job
     if arguments.job:
         write_text(arguments.job, job)
     if arguments.continuous:
@@ -69,7 +62,3 @@ def main():
         design = lattice_optimum(archive)
     if design is not None:
         print(" ".join(f"--{name} {value!r}" for name, value in design.items()))
-
-
-if __name__ == "__main__":
-    run(main)

@@ -1,31 +1,24 @@
-#!/usr/bin/env python3
 """Draws the loads on the best designs of an archive during their swings.
 
 The designs are the local maxima of the speed in the lattice, the fastest first; of several equally
 fast neighbours the first counts. Each is traced with the job stored in the archive.
 
-  loads.py accurate.h5                                 -> accurate-loads.png
-  loads.py accurate.h5 --count 1 -o loads.svg
+  treb-plot loads accurate.h5                                 -> accurate-loads.png
+  treb-plot loads accurate.h5 --count 1 -o loads.svg
 """
-
-import os
-import tempfile
-
-from program import Parser, fail, note, refuse, run  # before modules that may be missing
 
 import numpy as np
 
-from archive import Archive, design_text, stem
-from launch import PROGRAM_HELP, check, find_program, run_program
-from picture import OUTPUT_HELP, check_output, labelled, plt, readable_unit, save, set_title
-from trajectory import read_table
+from .accessor import design_text, stem
+from .api import trace
+from .backend import AXES
+from .launch import PROGRAM_HELP, find_program
+from .picture import COLOURS, add_output, check_output, labelled, readable_unit, save, set_title, with_legend, wrapped
+from .program import Parser, fail, note, refuse
+from .scenes import load, only
+from .swing import COLUMNS
 
-PANELS = (("tension", "sling tension at the projectile", "N"),
-          ("tip_tension", "sling tension at the arm's tip", "N"),
-          ("axle", "force on the axle", "N"),
-          ("stress", "bending stress at the fulcrum", "Pa"),
-          ("hanger_tension", "tension of the hanger", "N"),
-          ("normal", "force of the trough on the projectile", "N"))
+PANELS = ("tension", "tip_tension", "axle", "stress", "hanger_tension", "normal")
 
 
 def plateau(speed, start):
@@ -66,46 +59,36 @@ def local_maxima(speed, count):
     return maxima
 
 
-def trace(archive, design, program, *options):
-    """Traces a design: {column: values}; ends the program on failure."""
-    with tempfile.TemporaryDirectory() as directory:
-        job, table = os.path.join(directory, "job.cfg"), os.path.join(directory, "swing.txt")
-        with open(job, "w", encoding="utf-8") as file:
-            file.write(archive.attributes["job"])
-        lengths = [text for name, value in design.items() for text in (f"--{name}", repr(value))]
-        done = run_program(program, "trace", job, *lengths, *options)
-        check(done)
-        with open(table, "w", encoding="utf-8") as file:
-            file.write(done.stdout)
-        return read_table(table).rows
-
-
 def fine_trace(archive, design, program):
-    """The same with 500 rows, which resolve the peaks for a machine of any size."""
-    seconds = trace(archive, design, program)["t"][-1]
-    return trace(archive, design, program, "--interval", repr(float(seconds / 500)))
+    """The swing of a design with 500 rows, which resolve the peaks for a machine of any size."""
+    seconds = trace(archive.job, **design, program=program)["t"].iloc[-1]
+    return trace(archive.job, **design, program=program, interval=seconds / 500)
 
 
 def draw(archive, designs, program):
     """The figure, with a panel for each load that the machine has."""
     swings = [fine_trace(archive, design, program) for design in designs]
-    loads = [panel for panel in PANELS if panel[0] in swings[0]]
+    loads = [column for column in PANELS if column in swings[0]]
+    if all(np.allclose(swing["tension"], swing["tip_tension"]) for swing in swings):
+        loads.remove("tip_tension")  # of a sling without mass
     rows = -(-len(loads) // 2)
-    figure, panels = plt.subplots(rows, 2, figsize=(13, 4 * rows), sharex=True)
+    figure, panels, below = with_legend(0.1 + 0.3 * rows, len(designs), rows, 2, sharex=True)
     for axes in panels.flat[len(loads):]:
         axes.set_visible(False)
-    for axes, (column, text, unit) in zip(panels.flat, loads):
+    for axes, column in zip(panels.flat, loads):
+        text, unit = COLUMNS[column]
         factor, unit = readable_unit(unit, max(np.abs(swing[column]).max() for swing in swings))
-        for design, swing in zip(designs, swings):
-            axes.plot(swing["t"], factor * swing[column],
-                      label=f"{design_text(design)}: {swing['speed'][-1]:.4g} m/s")
-        axes.set_ylabel(labelled(text, unit))
+        for number, (design, swing) in enumerate(zip(designs, swings)):
+            axes.plot(swing["t"], factor * swing[column], color=COLOURS[number % len(COLOURS)],
+                      linestyle=("-", "--", "-.", ":")[number % 4],
+                      label=f"{design_text(design)}: {swing['speed'].iloc[-1]:.4g} m/s")
+        axes.set_ylabel(wrapped(labelled(text, unit), 1.8))
         axes.axhline(0, color="grey", linewidth=0.6)
     for axes in panels.flat[len(loads) - 2:len(loads)]:
         axes.set_xlabel("time t (s)")
         axes.tick_params(labelbottom=True)
-    panels[0, 0].legend(fontsize=8)
-    text = f"{archive.name()}: loads of the fastest designs from rest to release"
+    below.legend(*panels[0, 0].get_legend_handles_labels(), loc="center")
+    text = f"{archive.name()}: loads of designs that are local maxima of the speed, from rest to release"
     set_title(figure, text if archive.complete else f"{text}; {archive.progress()}")
     return figure
 
@@ -118,28 +101,23 @@ def main():
     parser.add_argument("--count", type=int, default=3,
                         help="maximum number of designs to draw, at least 1 (default: 3)")
     parser.add_argument("--program", help=PROGRAM_HELP)
-    parser.add_argument("-o", "--output", metavar="PICTURE",
-                        help=OUTPUT_HELP + "default: the archive's name with -loads.png")
+    add_output(parser, "the archive's name with -loads.png")
     arguments = parser.parse_args()
 
     if arguments.count < 1:
         refuse("count", arguments.count, "must be at least 1")
     output = arguments.output or f"{stem(arguments.archive, arguments.at)}-loads.png"
     check_output(output, arguments.archive)
-    archive = Archive(arguments.archive)
+    archive = load(arguments.archive)
     if "speed" not in archive.fields:
         fail(f"{arguments.archive}: has no map of the speed")
-    archive = archive.scene(arguments.at)
+    archive = only(archive, arguments.at)
     program = find_program(arguments.program)
-    designs = [archive.design(index)
-               for index in local_maxima(archive.read("speed"), arguments.count)]
+    designs = [{name: float(archive.data[name][i]) for name, i in zip(AXES, index)}
+               for index in local_maxima(archive.data["speed"].values, arguments.count)]
     if not designs:
         fail(f"{arguments.archive}: has no optimum: {archive.best_text()}")
     save(draw(archive, designs, program), output)
     if len(designs) < arguments.count:
         note(f"{arguments.archive}: only {len(designs)} of {arguments.count} designs drawn: the "
              f"speed has no more local maxima")
-
-
-if __name__ == "__main__":
-    run(main)

@@ -1,17 +1,24 @@
-"""Options, messages and exit codes of the scripts.
+"""Options, messages and exit codes of treb-plot.
 
 Exit codes: 0 success; 1 a file, a module or a program is missing or unusable; 2 bad command line.
-Every failure is reported as one line on stderr. Import this module first: it also reports missing
-modules.
+Every failure is reported as one line on stderr. In Python it is an Error.
 """
 
 import argparse
 import contextlib
 import os
+import re
 import signal
 import sys
+from typing import NoReturn
 
-NAME = os.path.basename(sys.argv[0])
+
+class Error(Exception):
+    """What cannot be done, in one line, and the exit code of treb-plot: 2 if an argument is wrong, else 1."""
+
+    def __init__(self, message, code=1):
+        super().__init__(" ".join(str(message).split()))
+        self.code = code
 
 
 def note(message):
@@ -21,20 +28,23 @@ def note(message):
             print(" ".join(str(message).split()), file=sys.stderr)
 
 
-def fail(message):
-    """Ends the program with exit code 1 and a message."""
-    note(message)
-    sys.exit(1)
+def key_of(dataset: str) -> str:
+    """The key or the field of the job file that a dataset is named after."""
+    return dataset.replace("_", "-")
 
 
-def refuse(option, value, allowed):
-    """Ends the program with exit code 2 and an option, its value and what is allowed."""
-    note(f"{option} = {value}: {allowed}")
-    sys.exit(2)
+def fail(message: object, code: int = 1) -> NoReturn:
+    """Raises an Error."""
+    raise Error(message, code)
+
+
+def refuse(option: str, value: object, allowed: str) -> NoReturn:
+    """Raises an Error with an option, its value and what is allowed."""
+    raise Error(f"{option} = {value}: {allowed}", 2)
 
 
 def check_output(option, path, inputs, may_replace, advice):
-    """Ends the program with exit code 2 if writing `path` would overwrite one of the inputs,
+    """Refuses an option if writing `path` would overwrite one of the inputs,
     something that is not a file, or any file unless `may_replace`; `advice` then says why."""
     refuse_overwriting(option, path, *inputs)
     if os.path.exists(path) and not os.path.isfile(path):
@@ -49,7 +59,7 @@ def check_new(option, path, overwrite, *inputs):
 
 
 def write_text(path, text):
-    """Writes a file that was checked; ends the program if that fails, and then keeps an older file."""
+    """Writes a file that was checked; if that fails, an older file is kept."""
     path = os.path.realpath(path)
     new = f"{path}.{os.getpid()}.new"
     try:
@@ -63,7 +73,7 @@ def write_text(path, text):
 
 
 def refuse_overwriting(option, path, *inputs):
-    """Ends the program with exit code 2 if writing `path` would overwrite one of its inputs."""
+    """Refuses an option if writing `path` would overwrite one of its inputs."""
     for name in inputs:
         for file in (name, existing(name)):
             if os.path.realpath(path) == os.path.realpath(file) or (
@@ -99,10 +109,16 @@ def interval(text):
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that prints the script's docstring as its help, and each error as one line."""
+    """A parser that prints a module's docstring as its help, and each error as one line. Words of options may be
+    joined by - or _ alike."""
 
     def __init__(self, doc):
         super().__init__(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+
+    def parse_args(self, args=None, namespace=None):
+        words = sys.argv[1:] if args is None else args
+        return super().parse_args([re.sub(r"^--[^=]*", lambda option: option[0].replace("_", "-"), word)
+                                   for word in words], namespace)
 
     def add_scene(self, option="--at", what="the scene to read from the archive of a study"):
         """Adds an option that selects scenes: pairs (key, value) of outer axes."""
@@ -115,7 +131,7 @@ class Parser(argparse.ArgumentParser):
         self.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
     def error(self, message):
-        note(f"{NAME}: {message}; see {NAME} --help")
+        note(f"{self.prog}: {message}; see {self.prog} --help")
         sys.exit(2)
 
 
@@ -127,41 +143,51 @@ def is_hdf5(path):
         return file.read(8) == b"\x89HDF\r\n\x1a\n"
 
 
+@contextlib.contextmanager
+def limited_cpu_time(seconds=20):
+    """Ends the program if HDF5 loops on a damaged file; waiting for a disk does not count."""
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    yield
+    signal.setitimer(signal.ITIMER_PROF, 0)
+
+
 def run(main):
-    """Runs `main` in a child process, because HDF5 crashes on some damaged files."""
+    """Runs `main` in a child process, because HDF5 crashes on some damaged files, and exits."""
     child = os.fork()
     if child == 0:
         sys.stdout.reconfigure(errors="surrogateescape")  # file names may hold any bytes
-        try:
-            try:
-                main()
-            finally:
-                sys.stdout.flush()
-        except BrokenPipeError:  # the reader has left, as in `study.py ... --csv | head -1`
-            os._exit(128 + signal.SIGPIPE)
-        sys.exit()
+        sys.exit(code_of(main))
     status = os.waitpid(child, 0)[1]
-    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL:
-        fail(f"{NAME}: was killed; is there enough memory?")
     if os.WIFSIGNALED(status):
+        number = signal.Signals(os.WTERMSIG(status))
         files = " or ".join(filter(is_hdf5, map(existing, sys.argv[1:])))
-        fail(f"{files}: damaged, or not written by trebsweep: HDF5 crashed with "
-             f"{signal.Signals(os.WTERMSIG(status)).name}")
+        note("was killed; is there enough memory?" if number == signal.SIGKILL else
+             f"{files}: damaged, or not written by trebsweep: HDF5 crashed with {number.name}")
+        sys.exit(1)
     sys.exit(os.WEXITSTATUS(status))
 
 
-def report(kind, error, traceback):
-    """Prints an uncaught exception, as one line unless it is a bug in the scripts."""
-    if issubclass(kind, ImportError):
-        note(f"{NAME}: {sys.executable} cannot import {error.name or 'a module'}; install h5py, "
-             f"matplotlib and numpy (Debian: python3-h5py, python3-matplotlib), or use a python3 "
-             f"that has them, such as /usr/bin/python3 {sys.argv[0]}")
-    elif issubclass(kind, OSError):
+def code_of(main):
+    """Runs `main`; prints its failure as one line, unless it is a bug, and returns the exit code."""
+    try:
+        try:
+            main()
+        finally:
+            sys.stdout.flush()
+        return 0
+    except BrokenPipeError:  # the reader has left, as in `treb-plot study ... --csv | head -1`
+        os._exit(128 + signal.SIGPIPE)
+    except Error as error:
+        note(error)
+        return error.code
+    except OSError as error:
         note(f"{error.filename}: {error.strerror}" if error.filename else error)
-    elif issubclass(kind, MemoryError):
-        note(f"{NAME}: out of memory")
-    elif not issubclass(kind, KeyboardInterrupt):
-        sys.__excepthook__(kind, error, traceback)
-
-
-sys.excepthook = report
+    except ImportError as error:
+        note(f"treb-plot: {sys.executable} cannot import {error.name}; install h5py, matplotlib, pandas and xarray "
+             "(Debian: python3-h5py, python3-matplotlib, python3-xarray), or use a python3 that has them, such as "
+             "/usr/bin/python3")
+    except MemoryError:
+        note("out of memory")
+    except KeyboardInterrupt:
+        pass
+    return 1

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Draws a sheet to build a machine from: one page with the best design of a job, to scale.
 
 It shows the machine at the start and at the release with all dimensions and the paths of projectile
@@ -7,8 +6,8 @@ pin, what to expect, loads, clearances and masses. JOB is a job file, whose opti
 or what `trebsweep optimum JOB --json` printed. A name that ends in .dxf is a drawing with layers for
 CAD programs, in m or in inches.
 
-  build_sheet.py jobs/backyard.cfg                     -> backyard.pdf
-  build_sheet.py backyard.json --units us -o sheet.dxf
+  treb-plot sheet jobs/backyard.cfg                     -> backyard.pdf
+  treb-plot sheet backyard.json --units us -o sheet.dxf
 """
 
 import functools
@@ -16,19 +15,16 @@ import importlib.util
 import json
 import os
 import re
-import tempfile
-
-from program import Parser, check_new, fail, run  # before modules that may be missing
 
 import numpy as np
 
-import drawing
-from design_drawing import Machine, arranged, panels
-from job import accurate_job, job_text, parse_job
-from launch import PROGRAM_HELP, check, find_program, parse_optimum, run_program
-from picture import FORMATS, check_output, picture_format, plt, save
-from trajectory import read_table
-from units import UNITS
+from . import api, drawing
+from .design_drawing import Machine, arranged, panels
+from .job import accurate_job, job_text, parse_job
+from .launch import PROGRAM_HELP, find_program, parse_optimum, run_program
+from .picture import FORMATS, check_output, picture_format, plt, save
+from .program import Parser, check_new, fail
+from .units import UNITS
 
 ROWS = 150  # of a traced swing
 PAPERS = {"a4": (11.69, 8.27), "letter": (11, 8.5)}  # inches
@@ -57,17 +53,9 @@ def read_optimum(path, program, ranks):
 
 def trace(optimum, program):
     """The swing of an optimum, a table of rows and comments."""
-    job = accurate_job(parse_job(optimum["job"]))
-    with tempfile.TemporaryDirectory() as directory:
-        files = [os.path.join(directory, name) for name in ("job.cfg", "swing.txt")]
-        with open(files[0], "w", encoding="utf-8") as file:
-            file.write(job_text(job))
-        lengths = [f"--{name}={optimum[name]!r}" for name in ("r1", "r2", "r3")]
-        done = run_program(program, "trace", files[0], *lengths, f"--interval={optimum['release_time'] / ROWS!r}")
-        check(done)
-        with open(files[1], "w", encoding="utf-8") as file:
-            file.write(done.stdout)
-        return read_table(files[1])
+    job = job_text(accurate_job(parse_job(optimum["job"])))
+    return api.trace(job, *(optimum[name] for name in ("r1", "r2", "r3")), interval=optimum["release_time"] / ROWS,
+                     program=program)
 
 
 def limit_text(optimum, text, units):
@@ -122,7 +110,7 @@ def length_rows(machine, units):
                  for when, x in zip(("at the start", "leaves the trough"), machine.trough())]
     tip = machine.points(0)[2]
     rows.append(("arm's tip at the start, above the ground", units.length(max(tip[1] + machine.h0, 0)), "", ""))
-    rows.append(("counterweight arm at the start, from upright", units.angle(machine.swing.rows["phi1"][0]), "", ""))
+    rows.append(("counterweight arm at the start, from upright", units.angle(machine.swing["phi1"][0]), "", ""))
     pin = optimum["pin_angle_loss"]
     rows.append(("pin, from the arm's line", units.angle(machine.value("pin-angle")),
                  *(allowance(pin, pin_limits[0], ("less", "more"), units.degrees) if pin
@@ -249,7 +237,7 @@ def draw_page(machine, name, units, paper):
 def write_dxf(path, machine, name, units):
     """Writes the drawing with its table as a DXF file."""
     if importlib.util.find_spec("ezdxf") is None:
-        fail("build_sheet.py: DXF needs the module ezdxf (Debian: python3-ezdxf)")
+        fail("sheet: DXF needs the module ezdxf (Debian: python3-ezdxf)")
     lines = [f"Build sheet: {name}", *(f"Warning: {text}" for text in machine.optimum["warnings"])]
     for title, rows in texts(machine, units).items():
         lines += ["", title, *("   ".join(filter(None, row)) for row in rows)]
@@ -287,8 +275,4 @@ def main():
         write_dxf(output, machine, name, units)
     else:
         paper = arguments.paper or ("letter" if arguments.units == "us" else "a4")
-        save(draw_page(machine, name, units, paper), output, is_page=True)
-
-
-if __name__ == "__main__":
-    run(main)
+        save(draw_page(machine, name, units, paper), output)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Draws the neighbourhood of a job's optimum: the objective against r1, r2 and r3.
 
 In each panel the other two lengths are those of the optimum that `trebsweep optimum` finds. The
@@ -11,8 +10,8 @@ and the expected objective.
 All designs are integrated accurately, whatever the job's stepper. Options of `trebsweep optimum`
 follow after --.
 
-  neighbourhood.py jobs/accurate.cfg                   -> accurate-neighbourhood.png
-  neighbourhood.py jobs/lab.cfg -o lab.svg -- --optimum.objective range
+  treb-plot neighbourhood jobs/accurate.cfg                   -> accurate-neighbourhood.png
+  treb-plot neighbourhood jobs/lab.cfg -o lab.svg -- --optimum.objective range
 """
 
 import os
@@ -21,15 +20,15 @@ import sys
 import tempfile
 from collections import namedtuple
 
-from program import Parser, refuse, run  # before modules that may be missing
-
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
-from archive import AXES, Archive
-from job import accurate_job, job_text, parse_job, without_sections
-from launch import PROGRAM_HELP, check, find_program, parse_optimum, run_program
-from picture import (OUTPUT_HELP, check_output, labelled, plt, readable_unit, save, set_title,
-                     wrapped)
+from .backend import AXES
+from .job import accurate_job, job_text, parse_job, without_sections
+from .launch import PROGRAM_HELP, checked, command, find_program, parse_optimum, run_program
+from .picture import COLOURS, add_output, check_output, labelled, readable_unit, save, set_title, with_legend, wrapped
+from .program import Parser, refuse
+from .scenes import load, only
 
 PANELS = ("r1", "r2", "r3")
 DESIGNS = 200   # of a curve
@@ -38,7 +37,6 @@ LEAST = 0.02    # reach of a panel beyond a limit, at least, in lengths
 BEYOND = 0.05   # of a panel, beyond the bounds of the lattice
 HEIGHT = 0.1    # of a panel above the optimum, and below it and the worst value, at most, in values
 WORDS = {"no": "optimum", "worst": "best worst case", "expected": "best expected value"}
-COLOURS = ("tab:red", "tab:purple", "tab:brown", "tab:olive", "tab:cyan", "tab:pink")
 
 # A constraint is violated where sign * (field - limit) > 0; `field` is None if it is on a formula,
 # which is not drawn.
@@ -111,11 +109,9 @@ def axis_text(low, high):
 
 def sweep(program, job, directory, name):
     """Sweeps a job with explicit axes, of which only `name` has several values; its archive."""
-    path, output = (os.path.join(directory, name + suffix) for suffix in (".cfg", ".h5"))
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(job_text(job))
-    check(run_program(program, "sweep", path, "--output.file", output))
-    return Archive(output)
+    output = os.path.join(directory, name + ".h5")
+    checked(command("sweep", job_text(job), "--output.file", output, program=program))
+    return only(load(output))
 
 
 def sweep_panels(program, optimum):
@@ -156,7 +152,7 @@ def draw_regions(axes, archive, name, constraints):
         field = dataset(constraint.field)
         x = archive.axes[name]
         rounding = 1e-9 * max(1, abs(constraint.limit))
-        excess = constraint.sign * (archive.read(field).ravel() - constraint.limit) - rounding
+        excess = constraint.sign * (archive.data[field].values.ravel() - constraint.limit) - rounding
         if (excess > 0).any():
             x, excess = with_zeros(x, excess)
             axes.fill_between(x, 0, 1, where=excess >= 0, transform=axes.get_xaxis_transform(),
@@ -227,7 +223,7 @@ def draw_panel(axes, archive, name, optimum):
     least = optimum.value - 0.01 * abs(optimum.value)
     if optimum.deviation > 0:
         draw_deviation(axes, length, optimum, factor, archive.unit(field))
-    axes.plot(archive.axes[name], factor * archive.read(field).ravel(), color="tab:blue",
+    axes.plot(archive.axes[name], factor * archive.data[field].values.ravel(), color="tab:blue",
               label=f"{optimum.objective} of the designs")
     draw_bounds(axes, length)
     draw_loss(axes, length, factor * least)
@@ -235,10 +231,10 @@ def draw_panel(axes, archive, name, optimum):
               markersize=14, zorder=3,
               label=f"optimum: {amount(optimum.value, archive.unit(field), 8)}")
     axes.set_xlim(*archive.axes[name][[0, -1]])
-    axes.xaxis.set_major_locator(plt.MaxNLocator(6))
-    axes.set_xlabel(f"{archive.long_name(name)} {name} (m)")
+    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.set_xlabel(wrapped(f"{archive.long_name(name)} {name} (m)", 1.9))
     axes.set_title(f"{name} = {length.value:.7f} m{'' if is_free(length) else ' (fixed)'}\n"
-                   f"{wrapped(loss_text(length, archive), 4.2, 11)}", fontsize=11)
+                   f"{wrapped(loss_text(length, archive), 1.75)}")
 
 
 def set_heights(panels, optimum, factor):
@@ -261,21 +257,18 @@ def title(name, optimum, archive):
 
 def draw(name, optimum, archives):
     """The figure: a panel for each length, and the legend below them."""
-    figure, axes = plt.subplot_mosaic([[*PANELS], ["legend"] * len(PANELS)], figsize=(14, 6.6),
-                                      gridspec_kw={"height_ratios": (5, 1)})
+    figure, (panels,), below = with_legend(0.62, 6, 1, len(PANELS), sharey=True)
     archive, field = archives[PANELS[0]], dataset(optimum.objective)
     factor, unit = readable_unit(archive.unit(field), abs(optimum.value))
-    panels = [axes[length] for length in PANELS]
     for panel, length in zip(panels, PANELS):
         draw_panel(panel, archives[length], length, optimum)
     set_heights(panels, optimum, factor)
     for panel, length in zip(panels, PANELS):
         draw_regions(panel, archives[length], length, field_constraints(optimum))
-    panels[0].set_ylabel(wrapped(labelled(archive.long_name(field), unit), 5))
+    panels[0].set_ylabel(wrapped(labelled(archive.long_name(field), unit), 2.5))
     entries = {text: handle for panel in panels
                for handle, text in zip(*panel.get_legend_handles_labels())}
-    axes["legend"].set_axis_off()
-    axes["legend"].legend(entries.values(), entries.keys(), loc="center", ncol=3, fontsize=9)
+    below.legend(entries.values(), entries.keys(), loc="center", ncol=2, columnspacing=1)
     set_title(figure, title(name, optimum, archive))
     return figure
 
@@ -286,8 +279,7 @@ def main():
     parser.usage = "%(prog)s [-h] [--program PROGRAM] [-o PICTURE] JOB [-- OPTIONS]"
     parser.add_argument("job", metavar="JOB", help="job file")
     parser.add_argument("--program", help=PROGRAM_HELP)
-    parser.add_argument("-o", "--output", metavar="PICTURE", help=OUTPUT_HELP + "default: the "
-                        "job's name with -neighbourhood.png, in the working directory")
+    add_output(parser, "the job's name with -neighbourhood.png, in the working directory")
     arguments = parser.parse_args(sys.argv[1:split])
 
     name = os.path.splitext(os.path.basename(arguments.job))[0]
@@ -297,7 +289,3 @@ def main():
     optimum = read_optimum(parse_optimum(run_program(program, "optimum", arguments.job, "--json",
                                                      *sys.argv[split + 1:])))
     save(draw(name, optimum, sweep_panels(program, optimum)), output)
-
-
-if __name__ == "__main__":
-    run(main)

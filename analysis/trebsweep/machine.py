@@ -1,21 +1,19 @@
-#!/usr/bin/env python3
 """Draws a sketch of the machine with the names of its lengths, masses, heights and angles.
 
 One design is drawn to scale at three moments of its swing: at the start, on the way (in black, with
 all labels) and at the release. It is one of the paper's or, with --built, one with a counterweight
 on a hanger and a trough, as machines are built.
 
-  machine.py                                           -> machine.svg
-  machine.py --built                                   -> built.svg
+  treb-plot machine                                           -> machine.svg
+  treb-plot machine --built                                   -> built.svg
 """
 
 from collections import namedtuple
 
-from program import Parser, run  # before modules that may be missing
-
 import numpy as np
 
-from picture import OUTPUT_HELP, check_output, plt, save
+from .picture import add_output, check_output, plt, save, size
+from .program import Parser
 
 # Lengths in m, r4 of the hanger, 0 without one; the height h0 of the fulcrum, which is the origin,
 # above the ground, m; (phi1, phi2, phi3) in rad at three moments.
@@ -50,7 +48,7 @@ def draw_pose(axes, machine, angles, colour, **style):
     if machine.r4:
         axes.plot(*zip(hinge, counterweight), color=colour, linewidth=2, **style)
         axes.plot(*hinge, "o", color="white", markeredgecolor=colour, markersize=6, **style)
-    axes.plot(*counterweight, "s", color=colour, markersize=22, **style)
+    axes.plot(*counterweight, "s", color=colour, markersize=16, **style)
     axes.plot(*projectile, "o", color=colour, markersize=10, **style)
 
 
@@ -84,7 +82,7 @@ def draw_angle(axes, corner, radius, first, angle, label="", distance=0):
     axes.plot(*np.transpose([on_arc(f) for f in np.linspace(0, 0.97, 50)]), color="tab:red")
     axes.annotate("", on_arc(1), on_arc(0.94),
                   arrowprops={"arrowstyle": "-|>", "color": "tab:red", "shrinkA": 0, "shrinkB": 0})
-    axes.text(*on_arc(0.5, distance), label, color="tab:red", ha="center", va="center", fontsize=15)
+    axes.text(*on_arc(0.5, distance), label, color="tab:red", ha="center", va="center", fontsize=11)
 
 
 def draw_direction(axes, radius):
@@ -127,7 +125,7 @@ def label_built(axes):
     axes.text(*(hinge / 2 + [0.06, 0.03]), "counterweight arm $r_1$", va="bottom")
     axes.text(*(hinge + [0.05, -0.17]), "hanger $r_4$", va="center")
     axes.text(*(hinge + [-0.12, -0.22]), r"$\phi_3$", color="tab:red", ha="center", va="center",
-              fontsize=15)
+              fontsize=11)
     axes.text(*((tip + projectile) / 2 + [-0.05, 0.03]), "sling $r_3$", ha="right")
     axes.text(*(counterweight + [0.1, 0]), "counterweight $m_1$", va="center")
     axes.text(*(projectile + [-0.02, -0.07]), "projectile $m_3$", ha="center", va="top")
@@ -139,7 +137,7 @@ def label_built(axes):
               color="0.4", va="top")
     _, _, tip, projectile = positions(BUILT, BUILT.release)
     axes.text(*(projectile + [0.09, 0.02]), "release", color="0.4", va="center")
-    axes.text(*(tip + [0.02, 0.45]), r"pin angle $\phi_1 - \phi_2$", color="tab:red", fontsize=15)
+    axes.text(*(tip + [0.02, 0.45]), r"pin angle $\phi_1 - \phi_2$", color="tab:red", fontsize=11)
     axes.text(1.1, 0.02, "fulcrum", color="tab:blue", ha="right")
 
 
@@ -174,8 +172,8 @@ def draw_built(axes):
 def draw(built=False):
     """The figure."""
     machine = BUILT if built else PAPER
-    with plt.rc_context({"font.size": 12}):
-        figure, axes = plt.subplots(figsize=(8.2, 8.2))
+    with plt.rc_context({"font.size": 9}):
+        figure, axes = plt.subplots(figsize=size(1))
         for angles in (machine.start, machine.release):
             draw_pose(axes, machine, angles, GREY, zorder=1.5)
         draw_pose(axes, machine, machine.middle, "black", zorder=2)
@@ -189,14 +187,9 @@ def main():
     parser = Parser(__doc__)
     parser.add_argument("--built", action="store_true",
                         help="draw a machine with a hanger and a trough")
-    parser.add_argument("-o", "--output", metavar="PICTURE",
-                        help=OUTPUT_HELP + "default: machine.svg, or built.svg")
+    add_output(parser, "machine.svg, or built.svg")
     arguments = parser.parse_args()
 
     output = arguments.output or ("built.svg" if arguments.built else "machine.svg")
     check_output(output)
     save(draw(arguments.built), output)
-
-
-if __name__ == "__main__":
-    run(main)

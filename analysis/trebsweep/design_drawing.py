@@ -5,10 +5,10 @@ Coordinates are in m from the axle, as in the tables of `trebsweep trace`.
 
 import numpy as np
 
-import drawing
-from drawing import Angle, Circle, Dimension, Label, Line, Square
-from job import parse_job
-from trajectory import lift_off
+from . import drawing
+from .drawing import Angle, Circle, Dimension, Label, Line, Square
+from .job import parse_job
+from .swing import lift_off
 
 FRAME_FEET = (-0.3, 0.3)  # of the frame, which is a sketch, in heights of the axle
 
@@ -35,9 +35,9 @@ class Machine:
 
     def points(self, row):
         """Hinge, counterweight, arm's tip and projectile in a row of the swing, m."""
-        rows = self.swing.rows
+        rows = self.swing
         hinge = "h" if "xh" in rows else "1"
-        return [np.array([rows[f"x{body}"][row], rows[f"y{body}"][row]])
+        return [np.array([rows[f"x{body}"].iloc[row], rows[f"y{body}"].iloc[row]])
                 for body in (hinge, "1", "t", "3")]
 
     def trough(self):
@@ -47,7 +47,7 @@ class Machine:
 
     def path(self, body):
         """The path of a body, m."""
-        return np.column_stack([self.swing.rows[f"x{body}"], self.swing.rows[f"y{body}"]])
+        return np.column_stack([self.swing[f"x{body}"], self.swing[f"y{body}"]])
 
     def beam(self):
         """The beam's mass, kg, and the (width, depth) of its section, m, or None for a measured beam."""
@@ -97,7 +97,7 @@ def start_dimensions(machine, unit, units):
     above = tip[1] + machine.h0
     if above > 2 * unit:
         shapes.append(Dimension((tip[0], -machine.h0), tip, 2 * offset, f"tip {units.length(above)}"))
-    phi1 = machine.swing.rows["phi1"][0]
+    phi1 = machine.swing["phi1"][0]
     shapes.append(Angle(axle, *sorted((np.pi / 2 - phi1, np.pi / 2)), min(machine.r1, machine.r2) * 0.6,
                         units.degrees(phi1)))
     return shapes

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Compares a map of two archives: A - B, in numbers and as a picture.
 
 The numbers go to stdout: the optimum of each archive, the number of designs with a value in both,
@@ -8,24 +7,25 @@ lattices differ, the designs that both have are compared.
 
 To compare the paper's Euler sweep with an accurate one:
 
-  compare.py paper.h5 accurate.h5                      -> paper-accurate.png
+  treb-plot compare paper.h5 accurate.h5                      -> paper-accurate.png
 
 Two scenes of a study, of which B has the fulcrum height of A:
 
-  compare.py study.h5 study.h5 --at projectile-mass=100 --at fulcrum-height=2 \
+  treb-plot compare study.h5 study.h5 --at projectile-mass=100 --at fulcrum-height=2 \
              --at-b projectile-mass=200
 """
 
 import os
 
-from program import Parser, fail, note, run  # before modules that may be missing
-
 import numpy as np
+import pandas
 
-from archive import AXES, Archive, design_text, edges, stem
-from lattice import designs
-from maps import draw, finite_values, middle, scaled, slices, views
-from picture import OUTPUT_HELP, check_output, labelled, readable_unit, save
+from .accessor import design_text, edges, stem
+from .backend import AXES
+from .maps import draw, finite_values, middle, scaled, slices, views
+from .picture import add_output, check_output, labelled, readable_unit, save
+from .program import Parser, fail, note
+from .scenes import load, only
 
 
 def chosen(at, archive, other):
@@ -33,46 +33,39 @@ def chosen(at, archive, other):
     other one has, and none for an archive of one scene if the other one is a study."""
     if other.in_study and not archive.in_study:
         return []
-    return [(key, value) for key, value in at if key.replace("-", "_") in archive.outer_axes
-            or key.replace("-", "_") not in other.outer_axes]
+    return [(key, value) for key, value in at if key.replace("-", "_") in archive.outer
+            or key.replace("-", "_") not in other.outer]
 
 
 def open_scenes(arguments):
     """The scenes A and B, and the map to compare."""
-    a, b = Archive(arguments.a), Archive(arguments.b)
+    a, b = load(arguments.a), load(arguments.b)
     field = a.number_field(arguments.field)
     b.number_field(arguments.field)
     changed = [key for key, _ in arguments.at_b]
     at_b = [pair for pair in chosen(arguments.at, b, a) if pair[0] not in changed]
-    return (a.scene(chosen(arguments.at, a, b)), b.scene([*at_b, *arguments.at_b], "at-b"), field)
-
-
-def common_indices(x, y):
-    """The indices in x and those in y of the values that two axes have in common."""
-    near = np.minimum(np.searchsorted(y, x * (1 - 1e-12)), len(y) - 1)
-    found = np.isclose(x, y[near], rtol=1e-12, atol=0)
-    return np.flatnonzero(found), near[found]
+    return only(a, chosen(arguments.at, a, b)), only(b, [*at_b, *arguments.at_b], "at-b"), field
 
 
 def common_lattice(a, b):
     """The scenes with only those values of r1, r3 and r2 that both have, and whether both have the
-    design, an array over these. If the lattices differ, prints how many designs both have; ends the
-    program if they have no design in common."""
-    indices = zip(*(common_indices(a.axes[name], b.axes[name]) for name in AXES))
-    common = [archive.restricted(index) for archive, index in zip((a, b), indices)]
-    all_a, all_b = (designs(archive.lattice) for archive in (a, b))
-    both = np.logical_and(*(designs(archive.lattice) for archive in common))
+    design, an array over these. If the lattices differ, prints how many designs both have."""
+    indices = {name: pandas.Index(b.axes[name]).get_indexer(a.axes[name], "nearest", tolerance=1e-11)
+               for name in AXES}
+    common = [a.data.isel({name: np.flatnonzero(index >= 0) for name, index in indices.items()}).treb,
+              b.data.isel({name: index[index >= 0] for name, index in indices.items()}).treb]
+    all_a, all_b = (int(archive.designs().sum()) for archive in (a, b))
+    both = np.logical_and(*(archive.designs().values for archive in common))
     if not both.any():
         fail(f"{a.with_scene(a.path)} and {b.with_scene(b.path)} have no design in common")
-    if both.sum() < max(all_a.sum(), all_b.sum()):
-        print(f"lattices  {both.sum()} designs in common, of {all_a.sum()} of A and {all_b.sum()} "
-              f"of B")
+    if both.sum() < max(all_a, all_b):
+        print(f"lattices  {both.sum()} designs in common, of {all_a} of A and {all_b} of B")
     return *common, both
 
 
 def report(a, b, field, common):
     """Prints statistics of the difference between the designs that both scenes have."""
-    x, y = (archive.read(field).astype(float) for archive in (a, b))
+    x, y = (archive.data[field].values.astype(float) for archive in (a, b))
     both = np.isfinite(x) & np.isfinite(y)
     only = int((common & (np.isfinite(x) != np.isfinite(y))).sum())
     print(f"designs   {int(both.sum())} with a {field} in both, {only} in one of them only")
@@ -91,8 +84,9 @@ def report(a, b, field, common):
         print(f"relative  median {np.median(relative):+.4g} %, median magnitude {np.median(np.abs(relative)):.4g} %, "
               f"largest {np.abs(relative).max():.4g} %")
     worst = np.argmax(size)
+    design = {name: a.axes[name][i] for name, i in zip(AXES, indices[worst])}
     factor, unit = readable_unit(a.unit(field), max(abs(x[worst]), abs(y[worst])))
-    print(f"largest   at {design_text(a.design(indices[worst]))}: {factor * x[worst]:.12g} against "
+    print(f"largest   at {design_text(design)}: {factor * x[worst]:.12g} against "
           f"{factor * y[worst]:.12g} {unit}".rstrip())
 
 
@@ -130,8 +124,7 @@ def main():
                         help="the map of numbers to compare (default: speed)")
     parser.add_scene(what="the scene to read from the archives that are studies")
     parser.add_scene("--at-b", "replaces the value of --at in B")
-    parser.add_argument("-o", "--output", metavar="PICTURE",
-                        help=OUTPUT_HELP + "default: A-B.png in the directory of A")
+    add_output(parser, "A-B.png in the directory of A")
     arguments = parser.parse_args()
 
     output = arguments.output or (
@@ -147,7 +140,3 @@ def main():
         save(picture(a, b, field), output)
     else:
         note(f"{a.path}: holds a single design; no picture is drawn")
-
-
-if __name__ == "__main__":
-    run(main)

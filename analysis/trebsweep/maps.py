@@ -1,10 +1,11 @@
 """Draws maps of an archive: a lattice with three free axes as three planes, with two as one plane,
 with one as a line."""
 
-from archive import AXES, edges  # before modules that may be missing
-from picture import labelled, plt, readable_unit, set_title, wrapped
-
 import numpy as np
+
+from .accessor import edges
+from .backend import AXES
+from .picture import POINTS, labelled, plt, readable_unit, set_title, size, wrapped
 
 # The planes: (fixed axis, horizontal axis, vertical axis).
 PLANES = (("r1", "r2", "r3"), ("r3", "r2", "r1"), ("r2", "r3", "r1"))
@@ -25,14 +26,7 @@ def middle(archive):
 
 def slices(archive, field, centre):
     """Arrays (vertical, horizontal) of a map's values in each view through `centre` ({axis: m})."""
-    values = []
-    for names in views(archive):
-        where = tuple(slice(None) if name in names else archive.nearest(name, centre[name])
-                      for name in AXES)
-        part = archive.read(field, where)
-        stored = [name for name in AXES if name in names]
-        values.append(part if stored == list(reversed(names)) else part.T)
-    return values
+    return [archive.section(field, list(reversed(names)), centre).values for names in views(archive)]
 
 
 def finite_values(values):
@@ -50,7 +44,7 @@ def flag_colours(meanings):
 
 def axis_label(archive, name):
     """The label of an axis of the lattice."""
-    return labelled(f"{archive.long_name(name)} {name}", archive.unit(name))
+    return wrapped(labelled(f"{archive.long_name(name)} {name}", archive.unit(name)), 1.9)
 
 
 def position_text(archive, names, centre):
@@ -81,7 +75,7 @@ def draw_contours(axes, archive, names, values, levels, norm):
         return
     lines = axes.contour(*(archive.axes[name] for name in names), values, levels, linewidths=0.6,
                          colors=["white" if norm(level) < 0.5 else "black" for level in levels])
-    axes.clabel(lines, fontsize=8, fmt="%g")
+    axes.clabel(lines, fontsize=POINTS, fmt="%g")
 
 
 def draw_plane(axes, archive, names, values, style, levels):
@@ -90,9 +84,16 @@ def draw_plane(axes, archive, names, values, style, levels):
     limits = [edges(archive.axes[name]) for name in names]
     mesh = axes.pcolormesh(*limits, values, rasterized=True, **style)
     draw_contours(axes, archive, names, values, levels, mesh.norm)
-    axes.set(xlim=limits[0][[0, -1]], ylim=limits[1][[0, -1]],
-             ylabel=axis_label(archive, names[1]))
+    shown = values != 0 if values.dtype.kind == "u" else np.isfinite(values)
+    ends = [within(edge, shown.any(axis=axis)) for axis, edge in enumerate(limits)]
+    axes.set(xlim=ends[0], ylim=ends[1], ylabel=axis_label(archive, names[1]))
     return mesh
+
+
+def within(limits, shown):
+    """The first and the last boundary of the cells that hold something, else of all."""
+    cells = np.flatnonzero(shown) if shown.any() else np.arange(len(shown))
+    return limits[cells[0]], limits[cells[-1] + 1]
 
 
 def draw_line(axes, archive, name, values, style, meanings):
@@ -120,8 +121,8 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
     """
     panels = views(archive)
     figure, all_axes = plt.subplots(1, len(panels), squeeze=False,
-                                    figsize=(15, 5.2) if len(panels) > 1 else (8, 5.8))
-    label = wrapped(label, figure.get_figheight() - 1.2, 10)
+                                    figsize=size(0.42 if len(panels) > 1 else 0.6))
+    label = wrapped(label, figure.get_figheight() - 0.8)
     levels = contour_levels(values) if contours else []
     for axes, names, part in zip(all_axes.flat, panels, values):
         axes.set_facecolor(background if len(names) > 1 else "white")
@@ -129,7 +130,7 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
         axes.set_xlabel(axis_label(archive, names[0]))
         lengths = archive.axes[names[0]]
         if np.ptp(lengths) < 0.02 * lengths[-1]:  # its labels have many digits
-            axes.xaxis.set_major_locator(plt.MaxNLocator(4))
+            axes.xaxis.set_major_locator(plt.MaxNLocator(1 if len(panels) > 1 else 4))
         marked = star is not None and shows(archive, names, centre, star)
         if len(names) == 1:
             draw_line(axes, archive, *names, part, style, meanings)
@@ -141,7 +142,7 @@ def draw(archive, values, centre, title, label, style, meanings=(), star=None, s
             mesh = draw_plane(axes, archive, names, part, style, levels)
             point = marked and tuple(star[name] for name in names)
         if point:
-            axes.plot(*point, "*", color=star_colour, markersize=13, markeredgecolor="white",
+            axes.plot(*point, "*", color=star_colour, markersize=10, markeredgecolor="white",
                       clip_on=False, zorder=3)
     if len(panels[0]) > 1:
         bar = figure.colorbar(mesh, ax=all_axes, pad=0.01)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Draws an assessment: error against run time, error against steps, the largest stable step.
 
 The pictures are STEM-precision, STEM-order and STEM-stability. --maps ARCHIVE, the archive of a
@@ -8,26 +7,28 @@ the error of the sweep's solver and of the stiffness over the design space.
 Arrows at the upper edge mark solvers with an error above 10 m/s, or a design whose outcome is not
 the true one; lines break there.
 
-  assess.py assess.h5                                  -> assess-precision.png, ...
+  treb-plot assess assess.h5                                  -> assess-precision.png, ...
   trebsweep sweep jobs/paper.cfg --output.fields "speed, status, speed-error, stiffness"
-  assess.py assess.h5 --maps paper.h5 --format svg
+  treb-plot assess assess.h5 --maps paper.h5 --format svg
 """
 
-from program import Parser, fail, note, refuse, run  # before modules that may be missing
+import os
 
 import h5py
 import numpy as np
 
-from archive import Archive, limited_cpu_time, open_file, reading, stem
-from maps import draw, finite_values, middle, scaled, slices, views
-from picture import FORMATS, check_output, labelled, plt, save
+from .accessor import stem
+from .backend import open_file, reading
+from .maps import draw, finite_values, middle, scaled, slices, views
+from .picture import COLOURS, FORMATS, check_output, labelled, plt, save, set_title, size
+from .program import Parser, fail, limited_cpu_time, note, refuse
+from .scenes import load, only
 
 STEPPERS = ("euler", "modified_midpoint", "rk4", "cash_karp54", "dopri5", "fehlberg78",
             "vern7", "vern8", "adams_bashforth_moulton", "bulirsch_stoer", "rosenbrock4")
 MARKERS = "os^vD*XphP<>"
 LARGEST = 10  # m/s: the largest error that is drawn
 BEYOND = r"$\uparrow$"  # marker of larger ones
-COLORS = [*(f"C{number}" for number in range(10)), "black", "navy"]
 
 
 class Assessment:
@@ -72,16 +73,15 @@ class Assessment:
 
 def style(stepper, number):
     """Colour, marker and label of a stepper."""
-    return {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)],
-            "markersize": 5, "linewidth": 1.3, "label": stepper}
+    return {"color": COLOURS[number % len(COLOURS)], "marker": MARKERS[number % len(MARKERS)],
+            "linestyle": "-" if number < len(COLOURS) else "--", "markersize": 5, "linewidth": 1.2, "label": stepper}
 
 
 def panels(scenes):
     """A figure with a panel for each scene."""
     columns = min(3, len(scenes))
     rows = -(-len(scenes) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(1 + 4.6 * columns, 1 + 3.8 * rows),
-                                squeeze=False)
+    figure, axes = plt.subplots(rows, columns, figsize=size(0.2 + 0.3 * rows), squeeze=False)
     for unused in axes.flat[len(scenes):]:
         unused.set_visible(False)
     return figure, list(axes.flat)
@@ -109,7 +109,7 @@ def draw_errors(assessment, abscissa, label, title):
         floor = assessment.reference_error(scene)
         if np.isfinite(floor):
             panel.axhline(floor, color="0.4", linestyle=":", linewidth=1)
-            panel.text(0.99, floor, "reference", color="0.4", fontsize=8, ha="right", va="bottom",
+            panel.text(0.99, floor, "reference", color="0.4", ha="right", va="bottom",
                        transform=panel.get_yaxis_transform())
         panel.set_xscale("log")
         panel.set_yscale("log")
@@ -124,16 +124,16 @@ def draw_errors(assessment, abscissa, label, title):
     # The legend goes above the panels, in empty lines of the title.
     columns = max(1, min(len(lines), 3 * len(scenes)))
     figure.suptitle(title + "\n" * (1 - -len(lines) // columns))
-    figure.legend(lines.values(), lines.keys(), loc="upper center", fontsize=9, frameon=False,
+    figure.legend(lines.values(), lines.keys(), loc="upper center",
                   ncol=columns, bbox_to_anchor=(0.5, 1 - 0.25 / figure.get_figheight()))
     return figure
 
 
-def draw_stability(assessment):
+def draw_stability(assessment, title):
     """The largest stable step of each explicit stepper in each scene, predicted and measured."""
     table = assessment.tables["stability"]
     scenes = list(dict.fromkeys(table["scene"]))
-    figure, panel = plt.subplots(figsize=(10, 5.5))
+    figure, panel = plt.subplots(figsize=size(0.6))
     numbers = assessment.steppers()
     explicit = [s for s in numbers if s in table["stepper"] and s != "rosenbrock4"]
     for column, stepper in enumerate(explicit):
@@ -152,10 +152,10 @@ def draw_stability(assessment):
                      [f"{s.replace('_', ' ')}\n{k:.3g} /s" for s, k in zip(scenes, stiffness)])
     panel.set_xlabel("scene, with the largest modulus of its eigenvalues")
     panel.set_ylabel("step size (s)")
-    panel.set_title("Largest stable step by the eigenvalues (filled), and largest step with a "
-                    "measured error below 10 % (open)")
+    set_title(figure, f"{title}: largest stable step by the eigenvalues (filled), and largest step with a "
+                      "measured error below 10 % (open)")
     panel.grid(True, axis="y", color="0.9")
-    panel.legend(fontsize=9)
+    panel.legend(ncol=2)
     return figure
 
 
@@ -177,7 +177,7 @@ def draw_map(archive, field):
     optimum = archive.optimum()
     centre = optimum[0] if optimum else middle(archive)
     values, unit = scaled(archive, field, slices(archive, field, centre))
-    title = labelled(archive.long_name(field), unit)
+    title = f"{archive.name()}: {labelled(archive.long_name(field), unit)}, through the optimum"
     if not archive.complete:
         title += f"; {archive.progress()}"
     return draw(archive, values, centre, title, labelled(field.replace("_", " "), unit),
@@ -186,7 +186,7 @@ def draw_map(archive, field):
 
 def draw_maps(path, at, picture_stem, form):
     """Writes the maps of an archive's speed error and stiffness, those that it has."""
-    archive = Archive(path).scene(at)
+    archive = only(load(path), at)
     fields = [name for name in ("speed_error", "stiffness") if name in archive.fields]
     if not fields:
         fail(f"{path}: has no map speed_error or stiffness; it has {', '.join(archive.fields)}")
@@ -220,16 +220,13 @@ def main():
                                              for what in ("precision", "order", "stability")]
     for output in outputs:
         check_output(output, arguments.assessment)
+    title = os.path.basename(stem(arguments.assessment))
     with reading(arguments.assessment, "is damaged"):
         save(draw_errors(assessment, "seconds", "run time per design (s)",
-                          "Error against run time"), precision)
+                          f"{title}: error against run time"), precision)
         save(draw_errors(assessment, "evaluations", "right-hand sides per design",
-                          "Order of convergence: error against right-hand sides"), order)
+                          f"{title}: order of convergence, error against right-hand sides"), order)
         if assessment.tables.get("stability"):
-            save(draw_stability(assessment), stability)
+            save(draw_stability(assessment, title), stability)
     if arguments.maps:
         draw_maps(arguments.maps, arguments.at, name, form)
-
-
-if __name__ == "__main__":
-    run(main)
