@@ -13,6 +13,7 @@ again as an archive.
 """
 
 import contextlib
+import importlib
 import os
 
 import h5py
@@ -157,7 +158,7 @@ class Archive(BackendEntrypoint):
     """The backend of xarray for archives of trebsweep, and for files that xarray has made of them."""
 
     def open_dataset(self, filename_or_obj, *, drop_variables=None):  # pylint: disable=arguments-differ
-        from . import accessor  # noqa: F401  # registers Dataset.treb  # pylint: disable=import-outside-toplevel
+        importlib.import_module(".accessor", __package__)  # registers Dataset.treb
         file = open_file(os.fspath(filename_or_obj))
         with reading(file.filename):
             dataset = read(file).drop_vars(drop_variables or [], errors="ignore")

@@ -137,6 +137,25 @@ class ScenesOfStudies(StudyTest):
             for figure in figures:
                 plt.close(figure)
 
+    def test_planes_of_all_scenes_along_an_axis_share_colours_and_contours(self):
+        archive = select(load(self.path("study.h5")), [("fulcrum-height", 1.92)])
+        figure = heatmap.multiples(archive, "speed", "projectile_mass", {"r1": 0.9})
+        self.addCleanup(plt.close, figure)
+        meshes = [axes.collections[0] for axes in figure.axes[:2]]
+        for i, mesh in zip((1, 4), meshes):
+            alone = load(self.path(f"alone{i}.h5")).only()
+            np.testing.assert_array_equal(np.ma.filled(mesh.get_array(), np.nan).ravel(),
+                                          alone.plane("speed", r1=0.9).values.ravel())
+            self.assertEqual(mesh.get_clim(), meshes[0].get_clim())
+        for scale in ("log", "percentile"):
+            self.run_script("heatmap", "study.h5", "--at", "fulcrum-height=1.92", "--over", "projectile-mass",
+                            "--scale", scale, "-o", "over.png")
+            self.assert_picture("over.png")
+        self.run_script("heatmap", "study.h5", "--over", "projectile-mass", code=2,
+                        says="over = projectile-mass: must be the only outer axis that --at leaves; these are left: "
+                             "projectile-mass, fulcrum-height")
+        self.run_script("heatmap", "alone0.h5", "--scale", "log", "-o", "over.png")
+
     def test_every_script_takes_a_scene(self):
         at = self.words(self.at(100, 1.92))
         self.run_script("heatmap", "study.h5", *at)
