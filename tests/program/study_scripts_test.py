@@ -155,6 +155,9 @@ class ScenesOfStudies(StudyTest):
                         says="over = projectile-mass: must be the only outer axis that --at leaves; these are left: "
                              "projectile-mass, fulcrum-height")
         self.run_script("heatmap", "alone0.h5", "--scale", "log", "-o", "over.png")
+        self.sweep("accurate", "--scene.projectile-mass", "50:200:50", name="four", increment="0.2")
+        self.run_script("heatmap", "four.h5", "--over", "projectile_mass", "--r3", "0.7")
+        self.assert_picture("four-speed-over-projectile-mass.png")
 
     def test_every_script_takes_a_scene(self):
         at = self.words(self.at(100, 1.92))
