@@ -78,7 +78,7 @@ class Neighbourhoods(ScriptTest):
                 self.assertAlmostEqual(speed[i], self.swing(name, x[i])["speed"].iloc[-1], places=6)
             star = next(line for label, line in drawn.items() if label.startswith("optimum: "))
             self.assertEqual(float(np.squeeze(star.get_xdata())), self.optimum.lengths[name].value)
-            speed = self.swing(name, float(np.squeeze(star.get_xdata())))["speed"][-1]
+            speed = self.swing(name, float(np.squeeze(star.get_xdata())))["speed"].iloc[-1]
             self.assertAlmostEqual(float(np.squeeze(star.get_ydata())), speed, places=8)
 
     def test_the_marks_are_where_1_percent_is_lost_within_the_limits(self):
