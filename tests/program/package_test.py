@@ -1,5 +1,6 @@
 """The Python package trebsweep: archives as datasets, sweeps, optima and swings from Python, installation, types."""
 
+import contextlib
 import importlib.util
 import io
 import os
@@ -21,7 +22,7 @@ from support import JOBS, PROGRAM, REPOSITORY
 import trebsweep
 from trebsweep import accessor
 from trebsweep.backend import AXES
-from trebsweep.picture import plt
+from trebsweep.picture import WIDTH, plt, width
 
 FIELDS = ("--output.fields", "speed, release-time, status, slack, peak-axle-load")
 
@@ -163,6 +164,32 @@ class Datasets(ScriptTest):
         data = trebsweep.open(self.path("study.h5"), chunks={})
         self.assertIsNotNone(data.speed.chunks)
         self.assertEqual(float(data.speed.max()), float(self.open("study.h5").speed.max()))
+
+
+class Pages(ScriptTest):
+    def test_pictures_are_as_wide_as_asked_with_text_of_8_points(self):
+        self.sweep("accurate", *FIELDS, name="a", increment="0.1")
+        self.sweep("accurate", "--scene.projectile-mass", "50, 100, 200", name="s", increment="0.1")
+        self.trace()
+        drawn = []
+        save = unittest.mock.patch.object(plt.Figure, "savefig", lambda figure, *_, **__: drawn.append(figure))
+        for name, *words in (("heatmap", "a.h5"), ("compare", "a.h5", "a.h5"), ("study", "s.h5"),
+                             ("importance", "s.h5"), ("heatmap", "s.h5", "--over", "projectile-mass"), ("histogram", "a.h5"),
+                             ("loads", "a.h5", "--program", PROGRAM), ("trajectory", "table.txt"), ("machine",),
+                             ("rules", "s.h5", "--rule", "r1 < r2", "--rule", "r1 > 0.6"),
+                             ("pareto", "a.h5", "--field", "speed, -peak-axle-load")):
+            for option, inches in (((), 17 / 2.54), (("--width", "25"), 25 / 2.54)):
+                arguments = [self.path(word) if word.endswith((".h5", ".txt")) else word for word in words]
+                arguments += [*option, "-o", self.path("page.png")]
+                width[0] = WIDTH  # as in a new process
+                with self.subTest(name=name, words=words), save, \
+                        unittest.mock.patch("sys.argv", [name, *arguments]), \
+                        contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+                    importlib.import_module(f"trebsweep.{name}").main()
+                    self.assertAlmostEqual(drawn[-1].get_figwidth(), inches)
+                    sizes = [text.get_fontsize() for text in drawn[-1].findobj(plt.Text) if text.get_text()]
+                    self.assertGreaterEqual(min(sizes), 8)
+        width[0] = WIDTH
 
 
 class Runs(ScriptTest):
