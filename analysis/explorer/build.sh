@@ -26,7 +26,7 @@ cd "$(dirname "$0")/../.."
 [[ -n $page ]] || { page=$PWD/results/explorer.html; options+=(--overwrite); }
 
 packages=(clang libboost-dev libc++-dev-wasm32 libclang-rt-dev-wasm32 lld python3 wasi-libc)
-[[ -z $archive ]] || packages+=(python3-h5py)
+[[ -z $archive ]] || packages+=(python3-h5py python3-xarray)
 jobs/install.sh "${packages[@]}"
 
 build=build/explorer
