@@ -39,6 +39,18 @@ def draw_angles(axes, table):
     axes.set_title("Angles, clockwise from the vertical")
 
 
+def draw_phase(axes, table):
+    """Draws the angular velocities against the angles."""
+    for angle, rate, style, text in (("phi1", "w1", "-", "counterweight arm"), ("phi2", "w2", "--", "sling"),
+                                     ("phi3", "w3", "-.", "hanger")):
+        if angle in table:
+            line, = axes.plot(table[angle], table[rate], style, label=rf"$\phi_{angle[-1]}$, {text}")
+            axes.plot(table[angle].iloc[0], table[rate].iloc[0], "o", color=line.get_color(), markersize=4)
+    axes.set_xlabel("angle (rad)")
+    axes.set_ylabel("angular velocity (rad/s)")
+    axes.set_title("Phase portrait, from the dots")
+
+
 def draw_surroundings(axes, table):
     """Draws the fulcrum, the ground, if its height is known, and the labels of the axes."""
     axes.plot(0, 0, "k^", markersize=7, label="fulcrum")
@@ -119,13 +131,13 @@ def lengths_text(table):
     return f"r1 = {r1:.4g}, r2 = {r2:.4g}, r3 = {r3:.4g}{hanger} m"
 
 
-def draw(table, name, count, flight=None):
-    """The figure of a swing, and of its flight if it has one."""
+def draw(table, name, count, flight=None, phase=False):
+    """The figure of a swing, and of its flight if it has one; with its phase portrait instead of the angles if asked."""
     figure = plt.figure(figsize=size(0.5 if flight is None else 0.85))
     rows = [["angles", "strobe"], *([["flight", "flight"]] if flight is not None else []), ["legend", "legend"]]
     heights = [3, *([2] if flight is not None else []), 0.6]
     panels = figure.subplot_mosaic(rows, gridspec_kw={"height_ratios": heights, "width_ratios": (1, 1.4)})
-    draw_angles(panels["angles"], table)
+    (draw_phase if phase else draw_angles)(panels["angles"], table)
     draw_strobe(panels["strobe"], table, count, flight)
     if flight is not None:
         draw_flight(panels["flight"], table, flight)
@@ -144,6 +156,8 @@ def main():
                         help="number of positions to draw, at least 2 (default: 16)")
     parser.add_argument("--flight", metavar="TABLE",
                         help="output of 'trebsweep trace --flight' for the same swing")
+    parser.add_argument("--phase", action="store_true",
+                        help="draw angular velocities against angles instead of angles against time")
     add_output(parser, "the table's name with .png")
     arguments = parser.parse_args()
 
@@ -155,4 +169,4 @@ def main():
     table = read_swing(arguments.table)
     flight = read_flight(arguments.flight, table) if arguments.flight else None
     name = os.path.splitext(os.path.basename(arguments.table))[0]
-    save(draw(table, name, arguments.count, flight), output)
+    save(draw(table, name, arguments.count, flight, arguments.phase), output)

@@ -175,7 +175,8 @@ class Pages(ScriptTest):
         save = unittest.mock.patch.object(plt.Figure, "savefig", lambda figure, *_, **__: drawn.append(figure))
         for name, *words in (("heatmap", "a.h5"), ("compare", "a.h5", "a.h5"), ("study", "s.h5"),
                              ("importance", "s.h5"), ("heatmap", "s.h5", "--over", "projectile-mass"),
-                             ("histogram", "a.h5"), ("loads", "a.h5", "--program", PROGRAM), ("trajectory", "table.txt"), ("machine",),
+                             ("histogram", "a.h5"), ("loads", "a.h5", "--program", PROGRAM), ("machine",),
+                             ("trajectory", "table.txt"), ("trajectory", "table.txt", "--phase"),
                              ("rules", "s.h5", "--rule", "r1 < r2", "--rule", "r1 > 0.6"),
                              ("pareto", "a.h5", "--field", "speed, -peak-axle-load")):
             for option, inches in (((), 17 / 2.54), (("--width", "25"), 25 / 2.54)):

@@ -54,6 +54,13 @@ class Swings(ScriptTest):
         self.assertFalse(self.labels(self.trace_laboratory(comments=False)) &
                          {"ground", "trough", "lift-off"})
 
+    def test_the_phase_portrait_has_every_angle_with_its_velocity(self):
+        rows = swing.read_swing(self.trace_laboratory())
+        figure = trajectory.draw(rows, "swing", 16, phase=True)
+        self.addCleanup(plt.close, figure)
+        for line, i in zip([line for line in figure.axes[0].get_lines() if line.get_marker() != "o"], "123"):
+            np.testing.assert_array_equal(line.get_data(), (rows[f"phi{i}"], rows[f"w{i}"]))
+
     def test_the_trough_ends_at_the_lift_off(self):
         table = self.trace_laboratory()
         rows = swing.read_swing(table)
