@@ -121,7 +121,8 @@ def multiples(archive, field, key, chosen, scale="linear"):
         axes.set_title(f"{key_of(key)} = {scene.selected[key]:g} {scene.unit(key)}\n{fixed} = "
                        f"{scene.axes[fixed][scene.nearest(fixed, x)]:g} m")
         axes.set_xlabel(axis_label(scene, names[0]))
-    bar = figure.colorbar(mesh, ax=list(panels.flat[:len(scenes)]), extend="both" if scale == "percentile" else "neither")
+    extend = "both" if scale == "percentile" else "neither"
+    bar = figure.colorbar(mesh, ax=list(panels.flat[:len(scenes)]), extend=extend)
     bar.set_label(wrapped(labelled(archive.long_name(field), unit), figure.get_figheight() - 0.8))
     set_title(figure, title(archive, field))
     return figure

@@ -1,6 +1,7 @@
 """Draws a swing, and its flight, from the tables that `trebsweep trace` prints.
 
-Upper left: the angles against time (the paper's Figure 2). Upper right: beam, sling, projectile
+Upper left: the angles against time (the paper's Figure 2), or with --phase the angular velocities
+against the angles. Upper right: beam, sling, projectile
 and, if it has one, the counterweight's hanger at equal intervals of time, with the projectile's
 path, the trough and the ground. Below, with --flight: the projectile's path to the ground.
 
@@ -132,7 +133,7 @@ def lengths_text(table):
 
 
 def draw(table, name, count, flight=None, phase=False):
-    """The figure of a swing, and of its flight if it has one; with its phase portrait instead of the angles if asked."""
+    """The figure of a swing, and of its flight if it has one; with the phase portrait or the angles against time."""
     figure = plt.figure(figsize=size(0.5 if flight is None else 0.85))
     rows = [["angles", "strobe"], *([["flight", "flight"]] if flight is not None else []), ["legend", "legend"]]
     heights = [3, *([2] if flight is not None else []), 0.6]
