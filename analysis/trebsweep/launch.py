@@ -64,7 +64,7 @@ def parse_optimum(done: subprocess.CompletedProcess) -> dict[str, Any]:
 @functools.lru_cache
 def known_keys(program: str, command: str) -> list[str]:
     """The options of a command that are keys of the job file: "scene.gravity", ..."""
-    return re.findall(r"(?m)^  --(\w+\.[\w-]+)", checked(run_program(program, command, "--help")))
+    return re.findall(r"(?m)^  (?:-o \[ )?--(\w+\.[\w-]+)", checked(run_program(program, command, "--help-keys")))
 
 
 def options(program: str, command: str, keys: dict[str, Any]) -> list[str]:

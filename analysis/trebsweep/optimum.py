@@ -14,7 +14,7 @@ from .launch import PROGRAM_HELP, command, find_program, parse_optimum
 from .program import Parser, check_new, note, write_text
 from .scenes import load, only
 
-NO_OPTIMUM = 1  # exit code of `trebsweep optimum`
+NO_OPTIMUM = 3  # exit code of `trebsweep optimum`
 
 
 def lattice_optimum(archive):

@@ -176,7 +176,8 @@ class RulesPage(ScriptTest):
             command = (PROGRAM, words[0]) if program == "trebsweep" else (
                 sys.executable, "-B", os.path.join(REPOSITORY, program), words[0])
             if command not in usages:
-                usages[command] = self.run_command(*command, "--help").stdout
+                usages[command] = "".join(self.run_command(*command, option).stdout for option in (
+                    ("--help", "--help-keys") if program == "trebsweep" else ("--help",)))
             for option in words:
                 if option.startswith("-") and not option[1:2].isdigit():
                     self.assertRegex(usages[command], rf"(?m)(^|[\s,]){re.escape(option)}(?![\w-])", program)
