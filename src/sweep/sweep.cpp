@@ -104,9 +104,9 @@ bool compute_tiles(const Context& context, RankResults& results) {
   const double ranks = mpi::size(comm);
   double counted = start_time;  // the time up to which tallies count
   Compute compute(study);
-  const auto work = [&, &tiling = tiling](std::uint64_t n, const std::function<void()>& poll) {
+  const auto work = [&](std::uint64_t n, const std::function<void()>& poll) {
     const double begin = MPI_Wtime();
-    auto [maps, tally] = compute.tile(tiling.tile(to_do[n]), poll);
+    auto [maps, tally] = compute.tile(context.tiling.tile(to_do[n]), poll);
     const double end = MPI_Wtime();
     tally.integration_seconds = (end - begin) / ranks;
     tally.sweep_seconds = (end - counted) / ranks;
