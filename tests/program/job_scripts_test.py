@@ -234,6 +234,16 @@ class Run(DirectoryTest):
         self.assertTrue(done.stdout.endswith("analysis/explorer/build.sh --archive results/paper.h5 --at KEY=VALUE\n"))
         self.assertTrue(self.read("results/paper.png").startswith(b"\x89PNG"))
 
+    def test_an_installed_program_of_the_same_version_is_not_built_again(self):
+        self.write("jobs/build.sh", "#!/bin/sh\nexit 1\n")
+        os.remove(self.path("build/release/trebsweep"))
+        os.symlink(os.path.abspath(PROGRAM), self.path("trebsweep"))
+        shutil.copy(os.path.join(REPOSITORY, "CMakeLists.txt"), self.directory)
+        _, results = self.run_script("--scene.projectile-mass", "50, 100")
+        self.assertIn("paper.h5", results)
+        self.write("CMakeLists.txt", "project(trebsweep VERSION 0.9.0 LANGUAGES CXX)\n")
+        self.run_command("jobs/run.sh", PATH=self.directory + ":" + os.environ["PATH"], code=1)
+
     def test_a_job_without_an_optimum_is_swept_and_the_reason_printed(self):
         for option, reason in (("--solver.max-time=0.1", "nothing is released"),
                                ("--optimum.subject-to=peak-axle-load <= 1", "exclude every design")):
