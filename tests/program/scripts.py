@@ -53,8 +53,8 @@ LABORATORY_FIELDS = "speed, status, range, flight-time, impact-speed, apex, lift
 
 
 def run_forked(directory, *words):
-    """Runs treb-plot, or a script, in a copy of this process, in which its packages are imported; that would take a second each time.
-    Returns what subprocess.run() would."""
+    """Runs treb-plot, or a script, in a copy of this process, in which its packages are imported; that would take a
+    second each time. Returns what subprocess.run() would."""
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
         child = os.fork()
         if child == 0:
