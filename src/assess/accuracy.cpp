@@ -40,15 +40,16 @@ double run_time(const Scene& scene, const Solver& solver, std::span<const Design
 
 }  // namespace
 
-Accuracy accuracy(const Scene& scene, const Solver& solver, std::span<const Design<double>> designs,
-                  std::span<const Reference> references, int repeats) {
+MeasuredAccuracy accuracy(const Scene& scene, const Solver& solver,
+                          std::span<const Design<double>> designs,
+                          std::span<const Reference> references, int repeats) {
   std::vector<SwingResult> results(designs.size());
   std::vector<double> drifts(designs.size());
   const std::array fields{Field::energy_drift};
   integrate(scene, solver, {designs, results, fields, drifts});
   const Work work = integrate(scene, solver, {designs, results});
 
-  Accuracy a;
+  MeasuredAccuracy a;
   std::vector<double> speed, relative, time, bounds;
   double steps = 0;
   a.drift = std::numeric_limits<double>::quiet_NaN();

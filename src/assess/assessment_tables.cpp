@@ -19,7 +19,7 @@ std::string setting_text(const Solver& solver) {
 }
 
 /// "24 released, 1 step_budget"
-std::string statuses_text(const Accuracy& a) {
+std::string statuses_text(const MeasuredAccuracy& a) {
   std::string text;
   for (std::size_t s = 0; s < a.statuses.size(); ++s)
     if (a.statuses[s] > 0)
@@ -29,7 +29,7 @@ std::string statuses_text(const Accuracy& a) {
 
 /// The outcome of a single design: its speed error (m/s) and steps as "1e-09 in 66", or the name
 /// of its status, in brackets if the reference has a release and the solver has not, or vice versa.
-std::string outcome_text(const Accuracy& a) {
+std::string outcome_text(const MeasuredAccuracy& a) {
   if (a.statuses[static_cast<std::size_t>(Status::released)] == 1 && a.status_mismatches == 0)
     return fmt::format("{:.0e} in {:.5g}", a.speed.largest, a.steps);
   const auto status = std::find(a.statuses.begin(), a.statuses.end(), 1) - a.statuses.begin();
@@ -111,24 +111,25 @@ Table accuracy_table(const std::string& name, const std::vector<Measurement>& me
                     measured, [=](const Measurement& m) { return m.accuracy.statuses[s]; })
         .printed = false;
   add("different", "1", "designs with a release here but not in the reference, or vice versa",
-      of(&Accuracy::status_mismatches));
-  add_quantiles(table, "error", "m s-1", "error of the speed", measured, of(&Accuracy::speed));
+      of(&MeasuredAccuracy::status_mismatches));
+  add_quantiles(table, "error", "m s-1", "error of the speed", measured,
+                of(&MeasuredAccuracy::speed));
   add("at_floor", "", "* if the median error of the speed is within the reference's own error",
       [](const Measurement& m) {
         return m.accuracy.speed.median <= m.accuracy.reference_error ? "*" : "";
       });
   add_quantiles(table, "relative", "1", "relative error of the speed", measured,
-                of(&Accuracy::relative), false);
-  add_quantiles(table, "time", "s", "error of the release time", measured, of(&Accuracy::time),
-                false);
+                of(&MeasuredAccuracy::relative), false);
+  add_quantiles(table, "time", "s", "error of the release time", measured,
+                of(&MeasuredAccuracy::time), false);
   table.columns.back().printed = true;  // time_largest
-  add("drift", "1", "largest magnitude of the energy drift", of(&Accuracy::drift));
+  add("drift", "1", "largest magnitude of the energy drift", of(&MeasuredAccuracy::drift));
   add("order", "1", "observed order of convergence since the previous setting",
       &Measurement::order);
-  add("steps", "1", "steps tried per design", of(&Accuracy::steps));
+  add("steps", "1", "steps tried per design", of(&MeasuredAccuracy::steps));
   add("evaluations", "1", "evaluations of the right-hand side per design",
-      of(&Accuracy::evaluations));
-  add("seconds", "s", "run time per design", of(&Accuracy::seconds));
+      of(&MeasuredAccuracy::evaluations));
+  add("seconds", "s", "run time per design", of(&MeasuredAccuracy::seconds));
   return table;
 }
 

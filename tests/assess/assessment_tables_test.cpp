@@ -14,7 +14,7 @@ Case one_design(bool extreme) {
 }
 
 Measurement measurement(const Case& c, const std::string& stepper, double error, double seconds) {
-  Accuracy accuracy{};
+  MeasuredAccuracy accuracy{};
   accuracy.statuses[static_cast<std::size_t>(Status::released)] = 1;
   accuracy.speed = accuracy.relative = accuracy.time = {error, error, error};
   accuracy.steps = 66;

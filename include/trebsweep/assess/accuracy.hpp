@@ -10,7 +10,7 @@ namespace trebsweep {
 
 /// Errors and cost of a solver on a sample of designs. Trivially copyable, so that ranks can
 /// exchange it.
-struct Accuracy {
+struct MeasuredAccuracy {
   std::array<double, status_names.size()> statuses{};  ///< number of designs with each Status
   /// Designs with a release in the solver's results but not in the reference, or vice versa.
   double status_mismatches = 0;
@@ -27,7 +27,8 @@ struct Accuracy {
 /// Integrates a sample and compares it with its references; references[n] belongs to designs[n].
 /// The run time is the median of `repeats` runs of the sample, repeated until it fills the SIMD
 /// lanes; runs of more than 0.3 s are timed once.
-Accuracy accuracy(const Scene& scene, const Solver& solver, std::span<const Design<double>> designs,
-                  std::span<const Reference> references, int repeats);
+MeasuredAccuracy accuracy(const Scene& scene, const Solver& solver,
+                          std::span<const Design<double>> designs,
+                          std::span<const Reference> references, int repeats);
 
 }  // namespace trebsweep

@@ -20,7 +20,7 @@ namespace trebsweep {
 struct Measurement {
   const Case* test_case;
   Solver solver;
-  Accuracy accuracy;
+  MeasuredAccuracy accuracy;
   /// Observed order of convergence of the median speed error between the setting before and this
   /// one; NaN for a stepper's first setting.
   double order;
