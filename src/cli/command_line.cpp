@@ -121,7 +121,7 @@ ParetoSpec to_pareto(const std::vector<std::string>& words) {
   return {parts[0], parts[1], static_cast<std::size_t>(points)};
 }
 
-/// The text that words other than a command ask for; nothing if the first is none of them.
+/// The text to print for arguments such as `help` and `--help`; nothing if they are a command's.
 std::optional<std::string> text_about(const std::vector<std::string>& words) {
   const std::string& first = words[0];
   if (first == "--help" || first == "-h") return general_help();

@@ -145,8 +145,8 @@ struct SafeSearch {
 };
 
 /// The best of some parameters that are safe and better than a value; nothing if the search is
-/// exhausted first. Coarse swings, in a fifth of the time, rule out most of those that are not safe,
-/// and seldom another.
+/// exhausted first. Coarse swings, in a fifth of the time, rule out most of those that are not
+/// safe, and seldom another.
 std::optional<Candidate> best_safe(SafeSearch& search, const MatrixXd& parameters,
                                    double better_than) {
   const auto is_safe = [&](const Candidate& candidate, Accuracy accuracy) {
