@@ -159,7 +159,7 @@ def main():
     parser.add_argument("archive", metavar="ARCHIVE",
                         help="archive of a sweep, or FILE.partial, an unfinished one")
     parser.add_argument("--field", help="the map to draw (default: speed, or the first map "
-                        "without a speed map); `trebsweep sweep --help` lists the fields")
+                        "without a speed map); `trebsweep sweep --help-keys` lists the fields")
     parser.add_scene()
     for axis in AXES:
         parser.add_argument(f"--{axis}", type=float, metavar="M",
