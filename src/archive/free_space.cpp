@@ -7,6 +7,7 @@
 
 #include "trebsweep/archive/output_file.hpp"
 #include "trebsweep/archive/regular_file.hpp"
+#include "trebsweep/base/number.hpp"
 
 namespace trebsweep {
 namespace {
@@ -30,12 +31,6 @@ std::string shortage_text(std::uintmax_t bytes, const std::string& why) {
 }
 
 }  // namespace
-
-std::string size_text(std::uintmax_t bytes) {
-  const auto size = static_cast<double>(bytes);
-  if (size >= 1e9) return fmt::format("{:.4g} GB", size / 1e9);
-  return bytes >= 1'000'000 ? fmt::format("{:.4g} MB", size / 1e6) : fmt::format("{} bytes", bytes);
-}
 
 void require_space(const Job& job, const fs::path& path, std::uintmax_t bytes, std::uintmax_t all) {
   if (const auto limit = size_limit(); bytes > limit)

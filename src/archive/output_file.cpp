@@ -43,15 +43,12 @@ fs::path checked_path(const Job& job) {
 /// Throws InputError if what has the name of the folder is not what this program creates.
 void check_folder(const Job& job, const fs::path& folder) {
   const fs::file_status status = fs::symlink_status(folder);
-  if (!fs::exists(status)) return;
-  std::string what;
-  if (fs::is_directory(status))
-    what = is_partial_folder(folder) ? "" : "exists and is not an unfinished sweep";
-  else
-    what = "is " + irregular_kind(status).value_or("a file");
-  if (!what.empty())
-    refuse_output(job,
-                  fmt::format("{} {}; move it away, or name another file", folder.string(), what));
+  const bool is_directory = fs::is_directory(status);
+  if (!fs::exists(status) || (is_directory && is_partial_folder(folder))) return;
+  const std::string what = is_directory ? "exists and is not an unfinished sweep"
+                                        : "is " + irregular_kind(status).value_or("a file");
+  refuse_output(job,
+                fmt::format("{} {}; move it away, or name another file", folder.string(), what));
 }
 
 /// The header of the existing archive, if any. Throws InputError if the file is not an archive.

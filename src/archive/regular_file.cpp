@@ -14,25 +14,13 @@ namespace trebsweep {
 namespace fs = std::filesystem;
 
 std::optional<std::string> irregular_kind(const fs::file_status& status) {
-  switch (status.type()) {
-    case fs::file_type::none:
-    case fs::file_type::not_found:
-    case fs::file_type::regular:
-      return std::nullopt;
-    case fs::file_type::directory:
-      return "a directory";
-    case fs::file_type::symlink:
-      return "a symbolic link";
-    case fs::file_type::fifo:
-      return "a FIFO";
-    case fs::file_type::socket:
-      return "a socket";
-    case fs::file_type::block:
-    case fs::file_type::character:
-      return "a device";
-    default:
-      return "not a regular file";
-  }
+  if (!fs::exists(status) || fs::is_regular_file(status)) return std::nullopt;
+  if (fs::is_directory(status)) return "a directory";
+  if (fs::is_symlink(status)) return "a symbolic link";
+  if (fs::is_fifo(status)) return "a FIFO";
+  if (fs::is_socket(status)) return "a socket";
+  if (fs::is_block_file(status) || fs::is_character_file(status)) return "a device";
+  return "not a regular file";
 }
 
 std::optional<std::string> irregular_kind(const fs::path& path) {

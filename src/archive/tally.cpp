@@ -6,8 +6,8 @@
 
 namespace trebsweep {
 
-std::uint64_t sum(const StatusCounts& counts) {
-  return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+std::uint64_t Tally::designs() const {
+  return std::accumulate(statuses.begin(), statuses.end(), std::uint64_t{0});
 }
 
 double Tally::utilisation() const {

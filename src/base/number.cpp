@@ -22,6 +22,12 @@ std::string Range::text() const {
   return fmt::format("{}a number above {:.9g} and below {:.9g}", zero, low, high);
 }
 
+std::string size_text(std::uintmax_t bytes) {
+  const auto size = static_cast<double>(bytes);
+  if (size >= 1e9) return fmt::format("{:.4g} GB", size / 1e9);
+  return bytes >= 1'000'000 ? fmt::format("{:.4g} MB", size / 1e6) : fmt::format("{} bytes", bytes);
+}
+
 double rounded_sum(double first, std::size_t n, double step) {
   if (n == 0) return first;
   std::array<char, 32> text;

@@ -8,16 +8,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "trebsweep/archive/free_space.hpp"
 #include "trebsweep/assess/assessment_cost.hpp"
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
+#include "trebsweep/base/number.hpp"
 #include "trebsweep/cli/commands.hpp"
+#include "trebsweep/cli/sweep_estimate.hpp"
 #include "trebsweep/job/load_job.hpp"
 #include "trebsweep/optimum/optimum.hpp"
 #include "trebsweep/optimum/search_cost.hpp"
-#include "trebsweep/sweep/estimate.hpp"
 
 namespace trebsweep {
 namespace {

@@ -38,15 +38,13 @@ Index3 tile_edge(const Index3& extent, std::uint64_t scenes, Maps maps, double d
   const auto along = [&](std::size_t axis) { return tiles_along(extent, edge, axis); };
   const auto tiles = [&] { return along(0) * along(1) * along(2); };
   while (scenes * tiles() > many_tiles && tiles() > 1 && 2 * cells(edge) <= max_cells) {
-    const std::size_t axis =
-        *std::max_element(axes.begin(), axes.end(),
-                          [&](std::size_t a, std::size_t b) { return along(a) < along(b); });
+    const std::size_t axis = std::ranges::max(axes, {}, along);
     edge[axis] = std::min(2 * edge[axis], extent[axis]);
   }
   constexpr std::uint64_t most_tiles = 1'000'000;
   while (static_cast<double>(cells(edge)) * design_seconds > max_seconds && cells(edge) > 1 &&
          scenes * tiles() < most_tiles) {
-    auto& longest_edge = *std::max_element(edge.begin(), edge.end());
+    auto& longest_edge = *std::ranges::max_element(edge);
     longest_edge = (longest_edge + 1) / 2;
   }
   return edge;
@@ -54,8 +52,7 @@ Index3 tile_edge(const Index3& extent, std::uint64_t scenes, Maps maps, double d
 
 std::uint64_t next_count(std::uint64_t count, double seconds, double target) {
   const double factor = std::clamp(target / std::max(seconds, 1e-9), 0.1, 8.0);
-  return std::max<std::uint64_t>(1,
-                                 static_cast<std::uint64_t>(static_cast<double>(count) * factor));
+  return static_cast<std::uint64_t>(std::max(1.0, static_cast<double>(count) * factor));
 }
 
 }  // namespace trebsweep

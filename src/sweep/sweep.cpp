@@ -10,6 +10,7 @@
 #include "trebsweep/archive/regular_file.hpp"
 #include "trebsweep/base/message.hpp"
 #include "trebsweep/base/mpi.hpp"
+#include "trebsweep/base/number.hpp"
 #include "trebsweep/base/version.hpp"
 #include "trebsweep/sweep/compute.hpp"
 #include "trebsweep/sweep/rank_results.hpp"

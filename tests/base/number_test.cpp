@@ -49,3 +49,11 @@ TEST_CASE("Units are printed in common notation") {
   CHECK(unit_text("Pa") == "Pa");
   CHECK(unit_text("1") == "");
 }
+
+TEST_CASE("Sizes are printed in the largest unit that they fill") {
+  CHECK(size_text(0) == "0 bytes");
+  CHECK(size_text(999'999) == "999999 bytes");
+  CHECK(size_text(34'560'000) == "34.56 MB");
+  CHECK(size_text(999'999'999) == "1000 MB");
+  CHECK(size_text(1'234'567'890) == "1.235 GB");
+}

@@ -14,9 +14,6 @@ namespace trebsweep {
 void require_space(const Job& job, const std::filesystem::path& path, std::uintmax_t bytes,
                    std::uintmax_t all);
 
-/// A size as "1.2 GB", "34.5 MB" or "678 bytes".
-std::string size_text(std::uintmax_t bytes);
-
 /// The limit that keeps a file from growing, worded as the end of a message; empty if unknown.
 std::string reached_limit(const std::filesystem::path& path);
 

@@ -15,8 +15,6 @@ inline constexpr std::uint64_t no_cell = std::numeric_limits<std::uint64_t>::max
 /// Numbers of designs with each Status.
 using StatusCounts = std::array<std::uint64_t, status_names.size()>;
 
-std::uint64_t sum(const StatusCounts& counts);
-
 /// Counts and best of a set of designs, such as those of a tile. Tallies of disjoint sets can be
 /// added in any order.
 struct Tally {
@@ -34,7 +32,7 @@ struct Tally {
   /// and in all. Sums over all designs are thus means over the ranks.
   double integration_seconds = 0, sweep_seconds = 0;
 
-  std::uint64_t designs() const { return sum(statuses); }
+  std::uint64_t designs() const;
 
   /// The fraction of the lanes' steps in which the lane held a design.
   double utilisation() const;

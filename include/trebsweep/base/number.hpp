@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -61,6 +62,9 @@ double rounded_sum(double first, std::size_t n, double step);
 /// The value of a key as a duration in seconds: 90, 1:30, 2:00:00 or 1-12:00:00. Throws InputError
 /// if it is not a duration above 0, or a part is as long as the unit of the part before it.
 double to_seconds(const std::string& key, const std::string& value);
+
+/// A size as "1.2 GB", "34.5 MB" or "678 bytes".
+std::string size_text(std::uintmax_t bytes);
 
 /// A UDUNITS string in common notation: "m/s" for "m s-1", and nothing for "1".
 std::string unit_text(std::string_view units);

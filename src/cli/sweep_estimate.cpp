@@ -1,4 +1,4 @@
-#include "trebsweep/sweep/estimate.hpp"
+#include "trebsweep/cli/sweep_estimate.hpp"
 
 #include <sys/resource.h>
 
