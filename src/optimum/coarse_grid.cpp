@@ -9,6 +9,8 @@
 
 #include "trebsweep/base/error.hpp"
 #include "trebsweep/job/sample.hpp"
+#include "trebsweep/model/start.hpp"
+#include "trebsweep/optimum/design_problem.hpp"
 #include "trebsweep/optimum/nonlinear_program.hpp"
 #include "trebsweep/optimum/sobol.hpp"
 
@@ -20,7 +22,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t enough_values = 200;  // of an axis
-constexpr std::size_t enough_maxima = 16;
+constexpr std::size_t enough_maxima = 48;
 constexpr std::uint64_t max_designs = 100'000'000;
 
 LatticeSpec with_increment(LatticeSpec spec, double increment) {
@@ -78,6 +80,53 @@ std::vector<std::size_t> local_maxima(const Lattice& lattice, std::span<const Me
   return maxima;
 }
 
+/// Whether a design may satisfy constraints, as far as is known without its swing.
+bool may_be_feasible(std::span<const Constraint> constraints, const Scene& scene,
+                     const Design<double>& design) {
+  if (!start_is_reachable(scene, design) || !sling_reaches_trough(scene, design)) return false;
+  const double tip = start_above_trough(scene, design) + scene.trough_height;
+  return std::ranges::all_of(constraints, [&](const Constraint& constraint) {
+    const bool is_of_tip =
+        field_of(constraint.expression) == Field::tip_clearance && !constraint.is_upper;
+    if (!is_of_tip && !constraint.expression.fields.empty()) return true;
+    const double value = is_of_tip ? tip : constraint.expression.value({scene, design, {}, {}});
+    return violation(constraint, value) <= 0;
+  });
+}
+
+/// How many scenes a Sobol sequence has, and designs of each.
+struct SobolCounts {
+  std::uint64_t scenes, designs;
+};
+
+/// Designs of a space for which a condition holds, in scenes that have any. Where few have, more
+/// are tried, and most until the first is found.
+template <class Condition>
+std::vector<Parameters> sobol_designs(const Job& job, const DesignSpace& space, SobolCounts counts,
+                                      Condition holds) {
+  constexpr std::uint64_t tries = 64, first_tries = 100;
+  const auto k = std::ssize(job.optimum.variables);
+  SobolSequence variables(space.lower.tail(k), space.upper.tail(k));
+  SobolSequence lengths(space.lower.head(length_count), space.upper.head(length_count));
+  std::vector<Parameters> found;
+  std::uint64_t with_designs = 0, most_scenes = first_tries * counts.scenes;
+  for (std::uint64_t i = 0; with_designs < counts.scenes && i < most_scenes; ++i) {
+    const VectorXd values = variables.next();
+    const Scene scene = with_variables(job, values).scene;
+    const std::size_t before = found.size(), enough = before + counts.designs;
+    for (std::uint64_t j = 0; j < tries * counts.designs && found.size() < enough; ++j) {
+      const VectorXd of_lengths = lengths.next();
+      const Design<double> design = to_design(of_lengths);
+      const auto is_beyond = [&](const SpaceLimit& l) { return l.excess(scene, design) >= 0; };
+      if (std::ranges::none_of(space.limits, is_beyond) && holds(scene, design))
+        found.emplace_back(space.size()) << of_lengths, values;
+    }
+    if (found.size() == before) continue;
+    if (with_designs++ == 0) most_scenes = i + tries * counts.scenes;
+  }
+  return found;
+}
+
 }  // namespace
 
 LatticeSpec coarse_lattice(const Scene& scene, const LatticeSpec& spec,
@@ -132,32 +181,17 @@ Grid lattice_grid(const Scene& scene, const LatticeSpec& spec) {
 }
 
 Grid sobol_grid(const Job& job, std::uint64_t designs) {
-  // For each design and each scene; where few scenes have designs, more until the first is found.
-  constexpr std::uint64_t tries = 8, first_tries = 100;
   const DesignSpace space = design_space(job);
   const auto k = std::ssize(job.optimum.variables), n = k + free_lengths(job);
   const auto values_each = std::pow(static_cast<double>(designs), 1 / static_cast<double>(n));
   const auto scenes = static_cast<std::uint64_t>(std::pow(values_each, k));
-  const std::uint64_t lengths = free_lengths(job) == 0 ? 1 : designs / scenes;
-  SobolSequence variables(space.lower.tail(k), space.upper.tail(k));
-  SobolSequence designs_within(space.lower.head(length_count), space.upper.head(length_count));
-  std::vector<Parameters> found;
-  std::uint64_t with_designs = 0, most_scenes = first_tries * scenes;
-  for (std::uint64_t scene = 0; with_designs < scenes && scene < most_scenes; ++scene) {
-    const VectorXd values = variables.next();
-    const Scene at = with_variables(job, values).scene;
-    const std::size_t before = found.size(), enough = before + lengths;
-    for (std::uint64_t i = 0; i < tries * lengths && found.size() < enough; ++i) {
-      const VectorXd of_lengths = designs_within.next();
-      if (std::ranges::any_of(space.limits, [&](const SpaceLimit& limit) {
-            return limit.excess(at, to_design(of_lengths)) >= 0;
-          }))
-        continue;
-      found.emplace_back(space.size()) << of_lengths, values;
-    }
-    if (found.size() == before) continue;
-    if (with_designs++ == 0) most_scenes = scene + tries * scenes;
-  }
+  const SobolCounts counts{scenes, free_lengths(job) == 0 ? 1 : designs / scenes};
+  const std::vector<Constraint> constraints = constraints_of(job);
+  std::vector<Parameters> found = sobol_designs(job, space, counts, [&](const auto&... design) {
+    return may_be_feasible(constraints, design...);
+  });
+  // The search then says what excludes all designs.
+  if (found.empty()) found = sobol_designs(job, space, counts, [](const auto&...) { return true; });
   if (found.empty())
     throw NoOptimum(
         "the design space is empty: none of the lengths tried is possible with the "

@@ -181,7 +181,7 @@ double magnitude_at(const DesignProblem& problem, const Parameters& parameters) 
 }
 
 NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Deviation>& deviations,
-                            Aggregate aggregate, std::uint64_t& integrated) {
+                            Aggregate aggregate, std::uint64_t& integrated, Accuracy accuracy) {
   const auto objectives =
       aggregate == Aggregate::mean
           ? 1
@@ -197,7 +197,7 @@ NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Devi
     for (Index p = 0, column = 0; p < points.cols(); ++p)
       for (const Deviation& d : deviations) parameters.col(column++) = nominal.col(p) + d.by;
     integrated += static_cast<std::uint64_t>(parameters.cols());
-    const MatrixXd values = values_at(problem, parameters);
+    const MatrixXd values = values_at(problem, parameters, accuracy);
     MatrixXd result = MatrixXd::Zero(objectives + constraints, points.cols());
     for (Index p = 0, column = 0; p < points.cols(); ++p) {
       Index objective = 0, row = objectives;
@@ -228,9 +228,10 @@ NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Devi
           {domain.lower(problem.free), domain.upper(problem.free)}};
 }
 
-NonlinearProgram nominal_program(const DesignProblem& problem, std::uint64_t& integrated) {
+NonlinearProgram nominal_program(const DesignProblem& problem, std::uint64_t& integrated,
+                                 Accuracy accuracy) {
   return program_of(problem, {{Parameters::Zero(problem.space.size()), 1, true}}, Aggregate::worst,
-                    integrated);
+                    integrated, accuracy);
 }
 
 std::array<IntervalEnd, 2> interval(const DesignProblem& problem, const Parameters& parameters,

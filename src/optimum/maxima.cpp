@@ -41,6 +41,11 @@ std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Sear
   return found;
 }
 
+void add(std::vector<Found>& found, const std::vector<Found>& more) {
+  found.insert(found.end(), more.begin(), more.end());
+  sort_feasible(found);
+}
+
 std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const DesignProblem& problem,
                                ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated) {
   constexpr std::size_t most = 4;  // thorough searches
@@ -50,6 +55,8 @@ std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Desi
     };
   };
   auto found = find_maxima(starts, search_with(Effort::quick), style, comm, integrated);
+  // With variables, they take minutes, and evolve() does more.
+  if (!problem.machine.variables.empty()) return found;
   // A search that has stopped far below the best converged one seldom ends above it.
   constexpr double far = 0.1;
   const std::vector<LocalMaximum> ends = distinct(found, problem);
@@ -63,9 +70,7 @@ std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Desi
     return !f.converged &&
            std::ranges::count(stopped, distinct({f}, problem).front().parameters) > 0;
   });
-  const auto more = find_maxima(stopped, search_with(Effort::thorough), style, comm, integrated);
-  found.insert(found.end(), more.begin(), more.end());
-  sort_feasible(found);
+  add(found, find_maxima(stopped, search_with(Effort::thorough), style, comm, integrated));
   return found;
 }
 

@@ -111,7 +111,7 @@ std::vector<Parameters> better_starts(const DesignProblem& problem,
 /// a better start. Throws NoOptimum if none is found. Collective.
 void take_safe(const Job& job, const DesignProblem& problem, const std::vector<Parameters>& starts,
                ProgressStyle style, MPI_Comm comm, OptimumResult& result) {
-  constexpr std::size_t most = 12;  // maxima to search around
+  constexpr std::size_t most = 12, at_a_time = 4;  // maxima to search around
   const double deviation = job.optimum.deviation;
   const auto is_safe = [&](const LocalMaximum& m) {
     ++result.designs;
@@ -137,11 +137,13 @@ void take_safe(const Job& job, const DesignProblem& problem, const std::vector<P
     const LocalMaximum first = distinct({found.front()}, problem).front();
     if (first.value > value_of_best()) best = first;
   };
-  std::vector<Parameters> others;
-  for (const LocalMaximum& m : result.maxima)
-    if ((m.value > value_of_best() || !m.converged) && others.size() < most)
-      others.push_back(m.parameters);
-  search_all(others);
+  // A few at a time: the best safe design so far is often better than what is left.
+  for (std::size_t i = 0; i < std::min(most, result.maxima.size()); i += at_a_time) {
+    std::vector<Parameters> some;
+    for (const LocalMaximum& m : result.maxima | std::views::drop(i) | std::views::take(at_a_time))
+      if (m.value > value_of_best() || !m.converged) some.push_back(m.parameters);
+    search_all(some);
+  }
   search_all(better_starts(problem, starts, value_of_best(), result.designs));
   if (!best)
     throw NoOptimum(fmt::format(
@@ -177,6 +179,13 @@ void refuse_divergence(const Job& job, const DesignProblem& problem, OptimumResu
       sign * values(0), sign * values(1), sign * values(2), job.optimum.objective.unit));
 }
 
+/// Whether most searches have converged to the best of their ends.
+bool do_agree(const std::vector<Found>& found, const DesignProblem& problem) {
+  if (found.empty()) return false;
+  const LocalMaximum best = distinct(found, problem).front();
+  return best.converged && 2 * best.starts > found.size();
+}
+
 /// Finds the local maxima of a job, all conditions of which are in `full`, and returns the problem
 /// that they belong to. Conditions that the best design satisfies anyway need not slow down the
 /// search from starts that may violate them. Collective.
@@ -187,7 +196,13 @@ DesignProblem find_local_maxima(const Job& given_job, const Job& job, const Desi
       job.optimum.variables.empty() ? design_problem(given_job, starts.parameters.front()) : full;
   const bool is_full = problem.constraints.size() == full.constraints.size();
   const auto search_all = [&] {
-    return find_maxima(starts.parameters, problem, style, comm, result.designs);
+    result.starts = starts.parameters.size();
+    auto found = find_maxima(starts.parameters, problem, style, comm, result.designs);
+    if (job.optimum.variables.empty() || do_agree(found, problem)) return found;
+    const auto more = evolved(problem, starts, style, comm, result.designs);
+    result.starts += more.size();
+    add(found, find_maxima(more, problem, style, comm, result.designs));
+    return found;
   };
   std::vector<Found> found = search_all();
   if (!is_full && !found.empty() &&
@@ -197,7 +212,6 @@ DesignProblem find_local_maxima(const Job& given_job, const Job& job, const Desi
     found = search_all();
   }
   if (found.empty()) refuse_constraints(full, starts);
-  result.starts = starts.parameters.size();
   result.maxima = distinct(found, problem);
   return problem;
 }

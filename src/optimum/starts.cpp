@@ -6,8 +6,10 @@
 #include <algorithm>
 
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/optimum/cma_es.hpp"
 #include "trebsweep/optimum/coarse_grid.hpp"
 #include "trebsweep/optimum/coarse_sweep.hpp"
+#include "trebsweep/optimum/maxima.hpp"
 #include "trebsweep/optimum/nonlinear_program.hpp"
 
 namespace trebsweep {
@@ -44,8 +46,11 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
   const CoarseSweep sweep = coarse_sweep(coarse, grid, style, comm);
   Starts starts;
   starts.increment = grid.increment;
+  starts.spacing = grid.spacing;
   starts.violations.resize(sweep.violations.size());
   add_starts(sweep, max_starts, starts);
+  if (has_variables && sweep.feasible && sweep.maxima.size() > max_starts)
+    starts.others.assign(sweep.maxima.begin() + max_starts, sweep.maxima.end());
   // Swings next to r1 = 0 take long: too long to search for a first feasible design there.
   const bool has_edge =
       !has_variables && !own_lattice && (sweep.feasible || arm_bounds(job.scene).low > 0);
@@ -60,6 +65,27 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
             ? ""
             : fmt::format(" and a finite {}", shown(job.optimum.objective).text)));
   return starts;
+}
+
+std::vector<Parameters> evolved(const DesignProblem& problem, const Starts& starts,
+                                ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated) {
+  constexpr double same = 0.02;  // scaled
+  const Eigen::VectorXd spread = to_scaled(problem, starts.spacing / 4);
+  const auto evolve_from = [&](const Parameters& start, std::uint64_t& count) {
+    const NonlinearProgram program = nominal_program(problem, count, Accuracy::coarse);
+    return ProblemOptimum{evolve(program, to_scaled(problem, start), spread), false, {}};
+  };
+  std::vector<Parameters> all = starts.parameters;
+  all.insert(all.end(), starts.others.begin(), starts.others.end());
+  std::vector<Eigen::VectorXd> ends;
+  for (const Found& found : find_maxima(all, evolve_from, style, comm, integrated)) {
+    const Eigen::VectorXd x = Eigen::VectorXd::Map(found.x.data(), spread.size());
+    const auto is_near = [&](const Eigen::VectorXd& end) { return (end - x).norm() < same; };
+    if (ends.size() < max_starts && std::ranges::none_of(ends, is_near)) ends.push_back(x);
+  }
+  std::vector<Parameters> parameters;
+  for (const Eigen::VectorXd& x : ends) parameters.push_back(to_parameters(problem, x));
+  return parameters;
 }
 
 void refuse_constraints(const DesignProblem& problem, const Starts& starts) {

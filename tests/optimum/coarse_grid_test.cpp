@@ -1,10 +1,14 @@
 #include "trebsweep/optimum/coarse_grid.hpp"
 
+#include <array>
+#include <cmath>
 #include <set>
 
 #include "optimum/jobs.hpp"
 #include "support/catch.hpp"
 #include "trebsweep/base/error.hpp"
+#include "trebsweep/model/start.hpp"
+#include "trebsweep/optimum/design_problem.hpp"
 
 using namespace trebsweep;
 using Eigen::Index;
@@ -58,6 +62,30 @@ TEST_CASE("Designs are found where few values of a variable allow any") {
       "[optimum]\nvariables = fulcrum-height 1:1.2\n");
   const Grid grid = sobol_grid(job, 500);
   CHECK(grid.parameters.cols() > 0);
+}
+
+TEST_CASE("Designs of a grid satisfy what their start shows, if any do") {
+  Job job = job_from(
+      "[scene]\ntrough = yes\nstart-angle = 0.5\n"
+      "[optimum]\nvariables = start-angle 0.3:1.2\nsubject-to = r1 + r2 <= 1.2, speed >= 1\n");
+  const auto fractions = [](const Job& searched) {
+    const Grid grid = sobol_grid(searched, 5'000);
+    std::array<double, 3> parts{};
+    for (const auto& parameters : grid.parameters.colwise()) {
+      const Scene scene = with_variables(searched, parameters.tail(1)).scene;
+      const Design<double> d = to_design(parameters);
+      parts[0] += d.r1 + d.r2 <= 1.2;
+      parts[1] += d.r2 * std::cos(*scene.start_angle) <= scene.fulcrum_height;
+      parts[2] += sling_reaches_trough(scene, d);
+    }
+    for (double& part : parts) part /= static_cast<double>(grid.parameters.cols());
+    return parts;
+  };
+  CHECK(fractions(searched_job(job)) == std::array{1.0, 1.0, 1.0});
+  job.optimum.constraints.front().limit = 0.001;  // excludes all designs
+  const auto without = fractions(searched_job(job));
+  CHECK(without[0] < 1);
+  CHECK(without[2] < 1);
 }
 
 TEST_CASE("Maxima of a grid without a lattice have no better one within a spacing") {

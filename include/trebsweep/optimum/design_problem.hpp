@@ -82,10 +82,12 @@ enum class Aggregate { worst, mean };
 /// those of the first constrained deviation, of the second and so on, and the limits of the space.
 /// Adds the number of designs that it integrates to `integrated`.
 NonlinearProgram program_of(const DesignProblem& problem, const std::vector<Deviation>& deviations,
-                            Aggregate aggregate, std::uint64_t& integrated);
+                            Aggregate aggregate, std::uint64_t& integrated,
+                            Accuracy accuracy = Accuracy::high);
 
 /// The program of the designs themselves.
-NonlinearProgram nominal_program(const DesignProblem& problem, std::uint64_t& integrated);
+NonlinearProgram nominal_program(const DesignProblem& problem, std::uint64_t& integrated,
+                                 Accuracy accuracy = Accuracy::high);
 
 /// A limit of the optimum: a constraint, a limit of the space or a bound of a parameter.
 struct Limit {

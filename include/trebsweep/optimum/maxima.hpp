@@ -37,8 +37,12 @@ using Search = std::function<ProblemOptimum(const Parameters& start, std::uint64
 std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Search& search,
                                ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated);
 
-/// The same by the nominal program of a problem: quick searches, and thorough ones from the best
-/// ends of those that did not converge, unless they are far below the best of those that did.
+/// Adds ends of other searches, best first.
+void add(std::vector<Found>& found, const std::vector<Found>& more);
+
+/// Searches by the nominal program of a problem: quick ones, and without variables thorough ones
+/// from the best ends of those that did not converge, unless they are far below the best of those
+/// that did. Collective.
 std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const DesignProblem& problem,
                                ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated);
 
