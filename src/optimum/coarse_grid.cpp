@@ -80,19 +80,32 @@ std::vector<std::size_t> local_maxima(const Lattice& lattice, std::span<const Me
   return maxima;
 }
 
-/// Whether a design may satisfy constraints, as far as is known without its swing.
-bool may_be_feasible(std::span<const Constraint> constraints, const Scene& scene,
-                     const Design<double>& design) {
-  if (!start_is_reachable(scene, design) || !sling_reaches_trough(scene, design)) return false;
-  const double tip = start_above_trough(scene, design) + scene.trough_height;
-  return std::ranges::all_of(constraints, [&](const Constraint& constraint) {
-    const bool is_of_tip =
-        field_of(constraint.expression) == Field::tip_clearance && !constraint.is_upper;
-    if (!is_of_tip && !constraint.expression.fields.empty()) return true;
-    const double value = is_of_tip ? tip : constraint.expression.value({scene, design, {}, {}});
-    return violation(constraint, value) <= 0;
-  });
-}
+/// Which designs can satisfy constraints, as far as is known without their swings.
+class StartFilter {
+ public:
+  explicit StartFilter(const std::vector<Constraint>& constraints) {
+    for (const Constraint& c : constraints)
+      if (c.expression.fields.empty())
+        of_lengths_.push_back(c);
+      else if (field_of(c.expression) == Field::tip_clearance && !c.is_upper)
+        of_tip_.push_back(c);
+  }
+
+  bool passes(const Scene& scene, const Design<double>& design) const {
+    if (!start_is_reachable(scene, design) || !sling_reaches_trough(scene, design)) return false;
+    const auto holds = [&](const Constraint& c, double value) {
+      return violation(c, value) / scale_of(c, scene, value) <= feasibility_tolerance;
+    };
+    for (const Constraint& c : of_lengths_)
+      if (!holds(c, c.expression.value({scene, design, {}, {}}))) return false;
+    if (of_tip_.empty()) return true;
+    const double tip = scene.fulcrum_height - design.r2 * std::cos(start_angle(scene, design));
+    return std::ranges::all_of(of_tip_, [&](const Constraint& c) { return holds(c, tip); });
+  }
+
+ private:
+  std::vector<Constraint> of_lengths_, of_tip_;  // of keys and lengths alone; of the arm's tip
+};
 
 /// How many scenes a Sobol sequence has, and designs of each.
 struct SobolCounts {
@@ -100,11 +113,11 @@ struct SobolCounts {
 };
 
 /// Designs of a space for which a condition holds, in scenes that have any. Where few have, more
-/// are tried, and most until the first is found.
+/// are tried; until the first is found, in more scenes.
 template <class Condition>
 std::vector<Parameters> sobol_designs(const Job& job, const DesignSpace& space, SobolCounts counts,
                                       Condition holds) {
-  constexpr std::uint64_t tries = 64, first_tries = 100;
+  constexpr std::uint64_t few_tries = 8, most_tries = 64, first_tries = 100;
   const auto k = std::ssize(job.optimum.variables);
   SobolSequence variables(space.lower.tail(k), space.upper.tail(k));
   SobolSequence lengths(space.lower.head(length_count), space.upper.head(length_count));
@@ -114,6 +127,7 @@ std::vector<Parameters> sobol_designs(const Job& job, const DesignSpace& space, 
     const VectorXd values = variables.next();
     const Scene scene = with_variables(job, values).scene;
     const std::size_t before = found.size(), enough = before + counts.designs;
+    const std::uint64_t tries = found.empty() || counts.designs == 1 ? few_tries : most_tries;
     for (std::uint64_t j = 0; j < tries * counts.designs && found.size() < enough; ++j) {
       const VectorXd of_lengths = lengths.next();
       const Design<double> design = to_design(of_lengths);
@@ -122,7 +136,7 @@ std::vector<Parameters> sobol_designs(const Job& job, const DesignSpace& space, 
         found.emplace_back(space.size()) << of_lengths, values;
     }
     if (found.size() == before) continue;
-    if (with_designs++ == 0) most_scenes = i + tries * counts.scenes;
+    if (with_designs++ == 0) most_scenes = i + most_tries * counts.scenes;
   }
   return found;
 }
@@ -186,12 +200,15 @@ Grid sobol_grid(const Job& job, std::uint64_t designs) {
   const auto values_each = std::pow(static_cast<double>(designs), 1 / static_cast<double>(n));
   const auto scenes = static_cast<std::uint64_t>(std::pow(values_each, k));
   const SobolCounts counts{scenes, free_lengths(job) == 0 ? 1 : designs / scenes};
-  const std::vector<Constraint> constraints = constraints_of(job);
-  std::vector<Parameters> found = sobol_designs(job, space, counts, [&](const auto&... design) {
-    return may_be_feasible(constraints, design...);
-  });
+  const StartFilter filter(constraints_of(job));
+  std::vector<Parameters> found =
+      sobol_designs(job, space, counts, [&](const Scene& scene, const Design<double>& design) {
+        return filter.passes(scene, design);
+      });
   // The search then says what excludes all designs.
-  if (found.empty()) found = sobol_designs(job, space, counts, [](const auto&...) { return true; });
+  if (found.empty())
+    found =
+        sobol_designs(job, space, counts, [](const Scene&, const Design<double>&) { return true; });
   if (found.empty())
     throw NoOptimum(
         "the design space is empty: none of the lengths tried is possible with the "

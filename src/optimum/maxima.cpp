@@ -41,7 +41,7 @@ std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Sear
   return found;
 }
 
-void add(std::vector<Found>& found, const std::vector<Found>& more) {
+void merge(std::vector<Found>& found, const std::vector<Found>& more) {
   found.insert(found.end(), more.begin(), more.end());
   sort_feasible(found);
 }
@@ -55,7 +55,7 @@ std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Desi
     };
   };
   auto found = find_maxima(starts, search_with(Effort::quick), style, comm, integrated);
-  // With variables, they take minutes, and evolve() does more.
+  // Thorough ones with variables take minutes; find_optimum() uses evolved() instead.
   if (!problem.machine.variables.empty()) return found;
   // A search that has stopped far below the best converged one seldom ends above it.
   constexpr double far = 0.1;
@@ -70,7 +70,7 @@ std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Desi
     return !f.converged &&
            std::ranges::count(stopped, distinct({f}, problem).front().parameters) > 0;
   });
-  add(found, find_maxima(stopped, search_with(Effort::thorough), style, comm, integrated));
+  merge(found, find_maxima(stopped, search_with(Effort::thorough), style, comm, integrated));
   return found;
 }
 

@@ -138,10 +138,12 @@ void take_safe(const Job& job, const DesignProblem& problem, const std::vector<P
     if (first.value > value_of_best()) best = first;
   };
   // A few at a time: the best safe design so far is often better than what is left.
-  for (std::size_t i = 0; i < std::min(most, result.maxima.size()); i += at_a_time) {
+  std::size_t searched = 0;
+  for (auto m = result.maxima.begin(); m != result.maxima.end() && searched < most;) {
     std::vector<Parameters> some;
-    for (const LocalMaximum& m : result.maxima | std::views::drop(i) | std::views::take(at_a_time))
-      if (m.value > value_of_best() || !m.converged) some.push_back(m.parameters);
+    for (; m != result.maxima.end() && some.size() < at_a_time; ++m)
+      if (m->value > value_of_best() || !m->converged) some.push_back(m->parameters);
+    searched += some.size();
     search_all(some);
   }
   search_all(better_starts(problem, starts, value_of_best(), result.designs));
@@ -179,11 +181,19 @@ void refuse_divergence(const Job& job, const DesignProblem& problem, OptimumResu
       sign * values(0), sign * values(1), sign * values(2), job.optimum.objective.unit));
 }
 
-/// Whether most searches have converged to the best of their ends.
-bool do_agree(const std::vector<Found>& found, const DesignProblem& problem) {
+/// Whether the objective is a target that parameters meet.
+bool meet_target(const DesignProblem& problem, const Parameters& parameters) {
+  constexpr double met = 1e-6;
+  return problem.objective.distance < 0 &&
+         std::abs(values_at(problem, parameters)(0)) <= met * magnitude_at(problem, parameters);
+}
+
+/// Whether most of some searches have ended at the best of their feasible ends, a converged one, or
+/// this meets a target, as others may.
+bool do_agree(const std::vector<Found>& found, std::size_t searches, const DesignProblem& problem) {
   if (found.empty()) return false;
   const LocalMaximum best = distinct(found, problem).front();
-  return best.converged && 2 * best.starts > found.size();
+  return (best.converged && 2 * best.starts > searches) || meet_target(problem, best.parameters);
 }
 
 /// Finds the local maxima of a job, all conditions of which are in `full`, and returns the problem
@@ -198,10 +208,10 @@ DesignProblem find_local_maxima(const Job& given_job, const Job& job, const Desi
   const auto search_all = [&] {
     result.starts = starts.parameters.size();
     auto found = find_maxima(starts.parameters, problem, style, comm, result.designs);
-    if (job.optimum.variables.empty() || do_agree(found, problem)) return found;
+    if (job.optimum.variables.empty() || do_agree(found, result.starts, problem)) return found;
     const auto more = evolved(problem, starts, style, comm, result.designs);
     result.starts += more.size();
-    add(found, find_maxima(more, problem, style, comm, result.designs));
+    merge(found, find_maxima(more, problem, style, comm, result.designs));
     return found;
   };
   std::vector<Found> found = search_all();
@@ -239,12 +249,9 @@ ProblemOptimum take_robust(const Job& job, const DesignProblem& problem, Progres
 
 /// Takes the derivatives from an optimum that has none, where the target is met or the search has
 /// not converged.
-void drop_derivatives(const Job& job, const DesignProblem& problem, OptimumResult& result,
+void drop_derivatives(const DesignProblem& problem, OptimumResult& result,
                       ProblemOptimum& optimum) {
-  constexpr double met = 1e-6;
-  result.is_on_target =
-      job.optimum.objective.distance < 0 && std::abs(values_at(problem, result.parameters)(0)) <=
-                                                met * magnitude_at(problem, result.parameters);
+  result.is_on_target = meet_target(problem, result.parameters);
   if (result.is_on_target) {
     result.converged = false;
     result.active.clear();
@@ -293,7 +300,7 @@ std::optional<OptimumResult> find_optimum(const Job& given_job, const OptimumOpt
   std::erase_if(result.maxima, [&](const LocalMaximum& m) {
     return !m.converged && &m != &result.maxima.front();
   });
-  drop_derivatives(job, problem, result, optimum);
+  drop_derivatives(problem, result, optimum);
 
   const Job found_job =
       with_variables(job, result.parameters.tail(std::ssize(job.optimum.variables)));

@@ -278,10 +278,13 @@ std::string maxima_text(const OptimumResult& result, const Job& job, UnitSystem 
   std::string text =
       fmt::format("maxima     {} found from {} start{}; {} led to the optimum\n", maxima.size(),
                   result.starts, result.starts == 1 ? "" : "s", maxima.front().starts);
-  if (maxima.size() > 1)
+  const auto next = std::find_if(maxima.begin() + 1, maxima.end(), [&](const LocalMaximum& m) {
+    return m.parameters != result.parameters;  // the best safe one
+  });
+  if (next != maxima.end())
     text += fmt::format("           the next best is {} at {}\n",
-                        value_text(result, maxima[1].value, units),
-                        to_text(maxima[1].parameters, job.optimum.variables, units));
+                        value_text(result, next->value, units),
+                        to_text(next->parameters, job.optimum.variables, units));
   return text;
 }
 

@@ -47,6 +47,7 @@ Starts find_starts(const Job& job, bool own_lattice, ProgressStyle style, MPI_Co
   Starts starts;
   starts.increment = grid.increment;
   starts.spacing = grid.spacing;
+  starts.max_time = plan.max_time;
   starts.violations.resize(sweep.violations.size());
   add_starts(sweep, max_starts, starts);
   if (has_variables && sweep.feasible && sweep.maxima.size() > max_starts)
@@ -71,8 +72,10 @@ std::vector<Parameters> evolved(const DesignProblem& problem, const Starts& star
                                 ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated) {
   constexpr double same = 0.02;  // scaled
   const Eigen::VectorXd spread = to_scaled(problem, starts.spacing / 4);
+  DesignProblem coarse = problem;
+  coarse.machine.solver.max_time = starts.max_time;
   const auto evolve_from = [&](const Parameters& start, std::uint64_t& count) {
-    const NonlinearProgram program = nominal_program(problem, count, Accuracy::coarse);
+    const NonlinearProgram program = nominal_program(coarse, count, Accuracy::coarse);
     return ProblemOptimum{evolve(program, to_scaled(problem, start), spread), false, {}};
   };
   std::vector<Parameters> all = starts.parameters;
@@ -101,7 +104,8 @@ void refuse_constraints(const DesignProblem& problem, const Starts& starts) {
   }
   if (violated.empty() || starts.checked == 0)
     throw NoOptimum(fmt::format("no search from {} designs ends at one that is released{}{}",
-                                starts.parameters.size(), violated.empty() ? "" : " and satisfies ",
+                                starts.parameters.size() + starts.others.size(),
+                                violated.empty() ? "" : " and satisfies ",
                                 fmt::join(violated, " and ")));
   throw NoOptimum(fmt::format(
       "the constraints exclude every design found: {} excludes {} of {} checked; the closest is "

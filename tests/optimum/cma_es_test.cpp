@@ -1,5 +1,9 @@
 #include "trebsweep/optimum/cma_es.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "optimum/programs.hpp"
 #include "support/catch.hpp"
 
@@ -77,7 +81,10 @@ TEST_CASE("Evolution samples expensive variables less often, and ends at the sam
     std::size_t distinct = 1;
     for (Eigen::Index p = 1; p < points.cols(); ++p)
       distinct += points.col(p).tail(2) != points.col(p - 1).tail(2);
-    if (points.cols() > 1) CHECK(8 * distinct <= static_cast<std::size_t>(points.cols()));
+    if (points.cols() > 1) {
+      CHECK(8 * distinct <= static_cast<std::size_t>(points.cols()));
+      CHECK(points.col(2).head(2) != points.col(3).head(2));
+    }
     most = std::max(most, distinct);
     return functions(points);
   };
@@ -94,4 +101,23 @@ TEST_CASE("Evolution is bitwise reproducible, and its result within the bounds")
   const Point corner = evolved(program_of(slope, 1, 0, {0, 0}, {1, 1}), vector({0.5, 0.5}));
   CHECK(corner.x(0) == 1);
   CHECK(corner.x(1) == 0);
+}
+
+TEST_CASE("Evolution of expensive variables alone takes distinct samples") {
+  NonlinearProgram program = program_of(
+      [](const VectorXd& x) { return std::vector{-std::abs(x(0) - 0.3)}; }, 1, 0, {0}, {1});
+  program.cheap_variables = 0;
+  const auto functions = program.functions;
+  program.functions = [&](const Eigen::MatrixXd& points) {
+    if (points.cols() > 1) CHECK(points(0, 0) != points(0, 1));
+    return functions(points);
+  };
+  CHECK(evolved(program, vector({0.9})).x(0) == Approx(0.3).margin(3e-3));
+}
+
+TEST_CASE("Evolution without a spread stays at its start") {
+  const auto slope = [](const VectorXd& x) { return std::vector{x(0)}; };
+  const Point found =
+      evolve(program_of(slope, 1, 0, {0, 0}, {1, 1}), vector({0.5, 0.4}), vector({0.1, 0}));
+  CHECK(found.x == vector({0.5, 0.4}));
 }

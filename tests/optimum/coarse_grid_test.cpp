@@ -88,6 +88,13 @@ TEST_CASE("Designs of a grid satisfy what their start shows, if any do") {
   CHECK(without[2] < 1);
 }
 
+TEST_CASE("Arms that start with their tips on the ground are in the grid of a machine to build") {
+  const Job job =
+      job_from("[scene]\nstart-tip-height = 0\n[optimum]\nvariables = fulcrum-height 1.2:1.8\n");
+  const Grid grid = sobol_grid(searched_job(job), 5'000);
+  CHECK(grid.parameters.cols() > 4'000);
+}
+
 TEST_CASE("Maxima of a grid without a lattice have no better one within a spacing") {
   const Job job = variable_job();
   const Grid grid = sobol_grid(job, 10'000);

@@ -262,3 +262,28 @@ TEST_CASE("No random search finds a better machine, and derivatives are those of
     if (found->converged) check_derivatives(job, *found);
   }
 }
+
+TEST_CASE("Evolution ends at better designs that differ, the same on any number of ranks") {
+  const Job job = searched_job(job_with({{"optimum.variables", "fulcrum-height 1.2:1.8"},
+                                         {"optimum.subject-to", "peak-axle-load <= 1.6e5"}}));
+  Starts starts;
+  starts.parameters = {Eigen::Vector4d(0.6, 0.5, 0.8, 1.5), Eigen::Vector4d(0.62, 0.45, 0.7, 1.3)};
+  starts.others = {Eigen::Vector4d(0.7, 0.4, 0.6, 1.6)};
+  starts.spacing = Parameters::Constant(4, 0.1);
+  starts.max_time = job.solver.max_time;
+  const DesignProblem problem = design_problem(job, starts.parameters.front());
+  std::uint64_t integrated = 0, alone = 0;
+  const auto ends = evolved(problem, starts, ProgressStyle::none, MPI_COMM_WORLD, integrated);
+  CHECK(ends == evolved(problem, starts, ProgressStyle::none, MPI_COMM_SELF, alone));
+  CHECK(integrated == alone);
+  REQUIRE_FALSE(ends.empty());
+  const double first = values_at(problem, starts.parameters.front(), Accuracy::coarse)(0);
+  for (const Parameters& end : ends) {
+    const VectorXd values = values_at(problem, end, Accuracy::coarse);
+    CHECK(values.tail(values.size() - 1).maxCoeff() <= feasibility_tolerance);
+    CHECK(are_inside(problem, end));
+    for (const Parameters& other : ends)
+      CHECK((other == end || (to_scaled(problem, other) - to_scaled(problem, end)).norm() >= 0.02));
+  }
+  CHECK(values_at(problem, ends.front(), Accuracy::coarse)(0) > 1.01 * first);
+}

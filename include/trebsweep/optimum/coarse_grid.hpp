@@ -27,7 +27,7 @@ struct Grid {
   Eigen::MatrixXd parameters;      ///< of all designs, a column for each
   std::optional<Lattice> lattice;  ///< whose designs they are, in its order
   double increment;                ///< m, of the lattice; 0 without one or for a single design
-  Parameters spacing;              ///< the mean distance of the parameters, if there is no lattice
+  Parameters spacing;  ///< without a lattice: the mean distance of parameters in the box
 };
 
 /// The lattice of a coarse sweep. Throws InputError if it has more than 100 million designs.
@@ -38,7 +38,8 @@ Grid lattice_grid(const Scene& scene, const LatticeSpec& spec);
 
 /// About `designs` designs of a job's design_space(), in scenes with values of its variables from a
 /// Sobol sequence and lengths from another. There are as many scenes as give lengths and variables
-/// the same number of values. Throws NoOptimum if no design is found.
+/// the same number of values. Leaves out designs that cannot start or whose start violates a
+/// constraint, if there are others. Throws NoOptimum if no design is found.
 Grid sobol_grid(const Job& job, std::uint64_t designs);
 
 /// An objective and a violation of the constraints, as of a Point; infinite where nothing is

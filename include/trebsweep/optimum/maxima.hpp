@@ -37,12 +37,12 @@ using Search = std::function<ProblemOptimum(const Parameters& start, std::uint64
 std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const Search& search,
                                ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated);
 
-/// Adds ends of other searches, best first.
-void add(std::vector<Found>& found, const std::vector<Found>& more);
+/// Adds the feasible ends of other searches, so that the best comes first.
+void merge(std::vector<Found>& found, const std::vector<Found>& more);
 
-/// Searches by the nominal program of a problem: quick ones, and without variables thorough ones
-/// from the best ends of those that did not converge, unless they are far below the best of those
-/// that did. Collective.
+/// The same by the nominal program of a problem: quick searches, and without variables thorough
+/// ones from the best ends of those that did not converge, unless they are far below the best of
+/// those that did.
 std::vector<Found> find_maxima(const std::vector<Parameters>& starts, const DesignProblem& problem,
                                ProgressStyle style, MPI_Comm comm, std::uint64_t& integrated);
 

@@ -72,7 +72,7 @@ struct OptimumResult {
   std::optional<Robustness> robustness;  ///< under the job's deviation, if it has one
   std::vector<LocalMaximum> maxima;      ///< best first; the optimum is the first one
   double coarse_increment;               ///< m
-  std::uint64_t starts;                  ///< number of searches
+  std::uint64_t starts;                  ///< number of continuous searches
   std::uint64_t designs;                 ///< integrated
   double seconds;
 };
@@ -84,11 +84,11 @@ struct OptimumOptions {
 };
 
 /// Searches for the optimum of a job, which is_safe(): a coarse sweep of the job's own lattice or
-/// of coarse_lattice(), then continuous searches from its best local maxima. Every design is
-/// integrated accurately by vern8 to the solver's located() release. Returns the result on rank 0.
-/// Throws NoOptimum on all ranks if the design space is empty, nothing is released, no design
-/// satisfies the constraints, none that does is safe, or the objective grows without limit towards
-/// an open bound. Collective.
+/// of coarse_lattice(), then continuous searches from its best local maxima and, with variables,
+/// from evolved() ones unless most searches agree. Every design is integrated accurately by vern8
+/// to the solver's located() release. Returns the result on rank 0. Throws NoOptimum on all ranks
+/// if the design space is empty, nothing is released, no design satisfies the constraints, none
+/// that does is safe, or the objective grows without limit towards an open bound. Collective.
 std::optional<OptimumResult> find_optimum(const Job& job, const OptimumOptions& options,
                                           MPI_Comm comm);
 

@@ -13,10 +13,11 @@ namespace trebsweep {
 /// Parameters to search from, best first.
 struct Starts {
   std::vector<Parameters> parameters;
-  std::vector<Parameters> others;         ///< of a job with variables: the next best, up to 32
+  std::vector<Parameters> others;         ///< of a job with variables: the next best
   double increment = 0;                   ///< m: of the coarse sweep
   Parameters spacing;                     ///< of the coarse sweep, where there are variables
   std::uint64_t integrated = 0;           ///< designs
+  double max_time = 0;                    ///< s, of its swings
   bool feasible = false;                  ///< whether the best satisfies the constraints
   std::uint64_t checked = 0;              ///< the number of designs whose constraints were checked
   std::vector<std::uint64_t> violations;  ///< the number of these that violate each constraint
