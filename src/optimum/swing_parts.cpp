@@ -18,6 +18,9 @@ using Eigen::VectorXd;
 /// How far below the largest value, scaled, an extreme may be that a search makes equal to it.
 constexpr double close = 0.05;
 
+/// By how much values that are located differently may differ, scaled.
+constexpr double rounding = 1e-10;
+
 bool has_extreme(const Expression& expression) {
   return std::ranges::any_of(expression.fields,
                              [](Field field) { return info(field).kind == FieldKind::load; });
@@ -119,10 +122,10 @@ NonlinearProgram program_of(const std::vector<DesignProblem>& parts, std::uint64
 
 /// The derivatives of an optimum with respect to the limits() of a problem.
 VectorXd derivatives(const DesignProblem& problem, VectorXd multipliers) {
-  constexpr double rounding = 1e-9;
+  constexpr double negligible = 1e-9;
   for (Index i = 0; const Limit& limit : limits(problem)) {
     double& multiplier = multipliers(i++);
-    multiplier = std::abs(multiplier) < rounding ? 0 : multiplier * limit.factor;
+    multiplier = std::abs(multiplier) < negligible ? 0 : multiplier * limit.factor;
   }
   return multipliers;
 }
@@ -153,7 +156,6 @@ ProblemOptimum combined(const std::vector<DesignProblem>& parts, const KktPoint&
 ProblemOptimum search_parts(const DesignProblem& problem, const NonlinearProgram& whole,
                             const KktPoint& stopped, std::uint64_t& integrated) {
   constexpr int rounds = 8;  // the peaks may leave their parts on the way, and others appear
-  constexpr double rounding = 1e-10;
   ProblemOptimum best = undivided(problem, stopped);
   Point point = stopped.point;
   for (int round = 0; round < rounds && point.violation <= little_violation; ++round) {
@@ -187,9 +189,12 @@ std::vector<DesignProblem> split(const DesignProblem& problem, const Parameters&
   integrated += static_cast<std::uint64_t>(values.cols());
   values.row(0) *= -1;
   std::vector<double> ends{times.back()};
+  const auto is_largest_of_parts = [&](Index row) {
+    const double largest = row == 0 ? -whole(0) : whole(row);
+    return std::abs(values.row(row).maxCoeff() - largest) <= rounding;
+  };
   for (Index row = 0; row < values.rows(); ++row)
-    if (values.row(row).maxCoeff() == (row == 0 ? -whole(0) : whole(row)) &&
-        (row == 0 || whole(row) > -close))
+    if (is_largest_of_parts(row) && (row == 0 || whole(row) > -close))
       for (const Index k : valleys(values.row(row)))
         ends.push_back(times[static_cast<std::size_t>(k)]);
   std::ranges::sort(ends);
