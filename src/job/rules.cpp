@@ -292,8 +292,9 @@ void check_rules(const Job& job, const std::map<std::string, std::string>& given
   check_study(job);
   check_variables(job, given);
   if (given.contains("optimum.objective") && given.contains("optimum.minimize"))
-    refuse("optimum.minimize", given.at("optimum.minimize"),
-           "left out with optimum.objective, instead of which it is given");
+    refuse(
+        "optimum.minimize", given.at("optimum.minimize"),
+        "left out with optimum.objective; --unset optimum.objective leaves out that of a job file");
   const auto unused = unused_keys(job);
   check_unused(unused, given);
   for (std::uint64_t n = 0; n < count_scenes(job); ++n)
