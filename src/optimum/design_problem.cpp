@@ -42,7 +42,7 @@ MatrixXd space_excesses(const DesignProblem& problem, const MatrixXd& parameters
 double scale_of(const Constraint& constraint, const Scene& scene, double value) {
   const std::string& unit = constraint.expression.unit;
   const double size = unit == "m"   ? scene.fulcrum_height
-                      : unit == "N" ? std::max(std::abs(value), weight(scene))
+                      : unit == "N" ? std::max(weight(scene), std::abs(value))
                                     : magnitude(value);
   constexpr double negligible = 2 * smallest_tension;
   const double limit = std::abs(constraint.limit);

@@ -1,6 +1,6 @@
 #include "trebsweep/optimum/search_cost.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <ctime>
 #include <optional>
 
@@ -29,19 +29,20 @@ std::uint64_t coarse_designs(const Job& job, bool own_lattice, std::uint64_t pla
       .designs();
 }
 
-/// The parameters with the largest objective; nothing if nothing is released.
-std::optional<Parameters> best_of(const Job& job, const MachineFamily& machine,
-                                  const Eigen::MatrixXd& parameters,
-                                  const Eigen::MatrixXd& values) {
+/// The best of some parameters; nothing if none has values.
+std::optional<Parameters> best_of(const DesignProblem& problem, const Eigen::MatrixXd& parameters) {
+  const Eigen::MatrixXd values = values_at(problem, parameters, Accuracy::coarse);
   std::optional<Parameters> best;
-  double largest = -HUGE_VAL;
-  for_each_design(machine, parameters, job.optimum.objective.fields, values,
-                  [&](Eigen::Index column, const Operands& operands) {
-                    const double value = job.optimum.objective.value(operands);
-                    if (!(value > largest)) return;
-                    largest = value;
-                    best = parameters.col(column);
-                  });
+  Merit of_best{};
+  for (Eigen::Index i = 0; i < parameters.cols(); ++i) {
+    if (!values.col(i).allFinite()) continue;
+    Merit merit{values(0, i), 0};
+    for (const double violation : values.col(i).tail(values.rows() - 1))
+      merit.violation = std::max(merit.violation, violation);
+    if (best && !is_better(merit, of_best)) continue;
+    best = parameters.col(i);
+    of_best = merit;
+  }
   return best;
 }
 
@@ -49,27 +50,31 @@ std::optional<Parameters> best_of(const Job& job, const MachineFamily& machine,
 
 SearchCost search_cost(const Job& given_job, bool own_lattice) {
   constexpr std::size_t sampled = 2000;
-  constexpr double searches = 4;  // most starts are given up early; what follows takes its time too
+  // Without variables, most starts are given up early; what follows takes its time too.
+  const bool has_variables = !given_job.optimum.variables.empty();
+  const double searches = has_variables ? 16 : 4;
+  const Effort effort = has_variables ? Effort::quick : Effort::thorough;
   Job job = searched_job(given_job);
   const CoarsePlan plan = plan_coarse_sweep(job);
   SearchCost cost{coarse_designs(job, own_lattice, plan.designs), 0, 0};
   MachineFamily machine = family_of(job);
   machine.solver.max_time = plan.max_time;
   const Eigen::MatrixXd parameters = coarse_sample(job, sampled);
-  Eigen::MatrixXd values;
   const double seconds = processor_seconds([&] {
-    values = field_values(machine, Accuracy::coarse, parameters, job.optimum.objective.fields);
+    field_values(machine, Accuracy::coarse, parameters, job.optimum.objective.fields);
     if (const auto constrained = fields_of(job.optimum.constraints); !constrained.empty())
       field_values(machine, Accuracy::coarse, parameters, constrained);
   });
   cost.coarse_seconds =
       seconds / static_cast<double>(parameters.cols()) * static_cast<double>(cost.designs);
-  if (const auto start = best_of(job, machine, parameters, values))
-    cost.search_seconds =
-        searches * processor_seconds([&] {
-          std::uint64_t integrated = 0;
-          search(design_problem(job, *start), *start, Effort::thorough, integrated);
-        });
+  DesignProblem problem = design_problem(job, parameters.col(0));
+  problem.machine = machine;
+  if (!has_variables) problem.constraints.clear();  // starts may violate them
+  if (const auto start = best_of(problem, parameters))
+    cost.search_seconds = searches * processor_seconds([&] {
+                            std::uint64_t integrated = 0;
+                            search(design_problem(job, *start), *start, effort, integrated);
+                          });
   return cost;
 }
 

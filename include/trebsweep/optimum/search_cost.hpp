@@ -10,8 +10,9 @@ namespace trebsweep {
 struct SearchCost {
   std::uint64_t designs;  ///< of the coarse sweep
   double coarse_seconds;  ///< processor time of the coarse sweep, s
-  double search_seconds;  ///< processor time of what follows it, s: four searches are typical,
-                          ///< without those of evolved() starts
+  /// Processor time of what follows it, s: of four thorough searches, with variables of 16 quick
+  /// ones without those of evolved() starts.
+  double search_seconds;
 };
 
 /// Plans the coarse sweep of find_optimum(), and times designs of it and a search from the best of
